@@ -98,9 +98,10 @@ def hidden_path(path: Path) -> Path:
 
 
 def _create_hidden_file(path: Path, user_path: Path) -> Path:
-    """Create a hidden file next to `path` and return its path; refuse a log's name and files that may not be replaced.
+    """Create a hidden file next to `path`, to replace it later, and return the path of the hidden file.
 
-    Errors name the file by `user_path`, as the user wrote it.
+    Errors name the file by `user_path`, as the user wrote it. Raise UsageError for the extension of logs, TakenError if
+    the running command must not replace the file, and CycloidError if it is no regular file.
     """
     if path.suffix.lower() == LOG:
         raise UsageError(

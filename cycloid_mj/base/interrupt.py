@@ -50,7 +50,7 @@ def end_on_signals() -> None:
 
 @contextmanager
 def preserve_handlers() -> Iterator[None]:
-    """Restore the signal handlers of `STOPPING` after the block, in which gmsh may replace them when it starts.
+    """Restore the handlers of SIGINT, SIGTERM and SIGHUP after the block, in which gmsh may replace them at its start.
 
     It can be used in any thread, unlike Python's own `signal.signal`.
     """

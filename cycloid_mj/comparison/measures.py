@@ -69,7 +69,7 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 
 
 def _fluctuation_errors(motion: Series) -> Fluctuation:
-    """Compute the rms errors of the disc's speed and of path and velocity of its point q, over full crank turns.
+    """Compute the rms errors of a disc's speed and of path and velocity of its point `Series.q`, over full crank turns.
 
     `motion` are the time series of the run. Errors are differences from the ideal motion (`Series`). Steady shifts are
     removed from those of path and velocity, see `remove_steady_shifts`.

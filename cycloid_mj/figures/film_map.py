@@ -62,10 +62,10 @@ class MapPoint:
     spread: Spread
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a point of an efficiency map to JSON values: ``value``, ``low`` and ``high`` are in ``unit``.
+        """Convert a point of an efficiency map to JSON values: ``quantity``, ``value``, its condition and its interval.
 
-        ``low`` and ``high`` are the ends of the interval of the value. ``torque_nm`` or ``speed_rpm`` is None if the
-        value does not depend on it.
+        ``value`` and the ends of its interval, ``low`` and ``high``, are in ``unit``. The condition is ``torque_nm``,
+        ``speed_rpm`` and ``temperature_c``; torque or speed is None if the value does not depend on it.
         """
         return {
             "quantity": self.quantity,

@@ -165,7 +165,7 @@ def _expand_rv(design: Design) -> Design:
 
 
 def warm_material(design: Design, part: str) -> Material:
-    """Return the material of a part of `design.PARTS` with modulus and strengths at the part's temperature.
+    """Return the material of a `part`, such as "gear" (`PARTS`), with modulus and strengths at the part's temperature.
 
     Modulus and strengths are interpolated linearly between the temperatures of the material's table. Expansion, density
     and Poisson's ratio remain those at 20 °C, as do all values of a material without a table, such as an unnamed

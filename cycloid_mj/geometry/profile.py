@@ -180,8 +180,9 @@ def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
     """Return the lever arm [m] about the gear centre of the common normal of the gear and a pin at the phase B [rad].
 
-    B is the clockwise angle of the pin from the eccentric. The arm is c (N-1) E sin B / l, and positive where the pin's
-    push turns the gear counter-clockwise. l is the `pitch_distance`, other symbols are as in `CycloidGear`.
+    B is the clockwise angle of the pin from the eccentric; the result has its shape. The arm is c (N-1) E sin B / l,
+    and positive where the pin's push turns the gear counter-clockwise. l is the `pitch_distance`, other symbols are as
+    in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)

@@ -109,8 +109,9 @@ def _power_law(
 ) -> Array:
     """Compute the film thickness of line contacts [m] by a power law; 0 without speed or force.
 
-    It is `factor` U^a G^b W^c R. U, G and W are the groups of `line_contact`, R is its reduced radius. The exponents a,
-    b and c are `speed_power`, `material_power` and `load_power`. If `load_group` is not None, it is used in place of W.
+    It is `factor` U^a G^b W^c R. U, G and W are the groups of `line_contact`, R is its reduced radius; the result has
+    the shape of W. The exponents a, b and c are `speed_power`, `material_power` and `load_power`. If `load_group` is
+    not None, it is used in place of W.
     """
     load_group = line_contact.load if load_group is None else load_group
     positive_load = np.maximum(load_group, np.finfo(float).tiny)

@@ -233,8 +233,9 @@ def _operating_point(torque: float, speed: float, run: Run, reducer: Reducer) ->
 def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[Input]) -> str:
     """Return the name of a run for warnings, such as its load and speed, or the input that is varied in it.
 
-    `run_key` is the design with a varied input, the common friction (float), a condition of the map (tuple), or a name
-    of `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that are varied.
+    `run_key` is the design with a varied input, the common friction coefficient (float), a condition of the map
+    (torque, speed), or a key of `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that
+    are varied.
     """
     if isinstance(run_key, Design):
         return next(varied_input.names[run_key] for varied_input in varied_inputs if run_key in varied_input.ends)

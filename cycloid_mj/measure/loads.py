@@ -388,7 +388,10 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    """Return curves of contact forces by kind of contact, of each cam's force on its disc, and of tooth forces."""
+    """Return curves of contact forces by kind of contact, of each cam's force on its disc, and of tooth forces.
+
+    `kinds` has the forces in all samples, by kind of contact.
+    """
     contact_curves = [
         curve for contacts in kinds.values() if contacts.kind != "cam" for curve in _contact_curves(contacts, reducer)
     ]

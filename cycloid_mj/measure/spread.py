@@ -213,9 +213,9 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
     """Convert a rate [1], such as the efficiency, its range, and its values at both ends of each input to JSON values.
 
-    `design_rate` is the rate of the design, `effects` are the effects of the assumed inputs on it. ``sensitivity`` has
-    the ends of each input, ``low`` and ``high``, in ``unit``, and the rates there, ``value_low`` and ``value_high``
-    [1].
+    `design_rate` is the rate of the design, `effects` are the effects of the assumed inputs on it. ``spread`` has
+    ``value``, ``low`` and ``high`` of the rate. ``sensitivity`` has the ends of each input, ``low`` and ``high``, in
+    ``unit``, and the rates there, ``value_low`` and ``value_high`` [1].
     """
     min_rate, max_rate = spread(design_rate, effects)
     return {

@@ -192,7 +192,8 @@ def _runout_text(reducer: Reducer) -> str:
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     """Return the assumptions of a transmission error measurement by simulation, a sentence each.
 
-    They are about bearings, drag, statics, contact stiffness, numerical errors and orders.
+    They are about bearings, drag, statics, contact stiffness, numerical errors and orders. `turns` is the number of
+    crank turns of a run.
     """
     design = reducer.design
     ring, holes = base_orders(reducer)

@@ -104,7 +104,7 @@ class Reducer:
         return self.but(drive={"speed": math.copysign(speed, self.design.drive.speed)})
 
     def at_temperatures(self, temperatures: Mapping[str, float]) -> Self:
-        """Return the reducer with other temperatures of its parts [°C], which may exceed those of a design file.
+        """Return the reducer with other temperatures [°C], by part name, which may exceed those of a design file.
 
         Raises
         ------

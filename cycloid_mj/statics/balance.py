@@ -318,6 +318,11 @@ def _solve_with_cams(
     tuple
         Forces of the contacts (m, n) and of the cams on their discs (m, D, 2) [N], and the number of times that the
         equations were assembled, over all angles.
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium, or a cam is displaced beyond the range of the equations of its rollers.
     """
     contacts, needles, assemblies = springs.contacts, cam_needles(reducer, springs), 0.0
     if needles is None:

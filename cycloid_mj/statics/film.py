@@ -391,7 +391,8 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
 def lubricant_temperature(reducer: Reducer, pair: str, temperatures: Mapping[str, float] | None = None) -> float:
     """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of both parts.
 
-    `temperatures` are those of the parts [°C], by default those of the design.
+    `pair` is a kind such as "cam" (`PART_OF_PAIR`). `temperatures` are those of the parts [°C], by default those of the
+    design.
     """
     thermal = vars(reducer.design.thermal) if temperatures is None else temperatures
     part, other_part = PART_OF_PAIR.get(pair, ("disc", "ring"))

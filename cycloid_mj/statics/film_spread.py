@@ -93,8 +93,8 @@ def sample_inputs(
 ) -> tuple[tuple[FilmInputs, ...], Array]:
     """Return samples of the uncertain inputs of the friction law ``film``: a scrambled Sobol sequence, fixed seed.
 
-    The inputs are factors such as those on viscosity and roughness. `boundary` is the range of the boundary friction
-    coefficient.
+    There are `count` samples. The inputs are factors such as those on viscosity and roughness. `boundary` is the range
+    of the boundary friction coefficient.
 
     Returns
     -------
@@ -180,12 +180,15 @@ def extrapolate_losses(
 ) -> tuple[float, Array]:
     """Compute the power lost with the friction law ``film`` for samples of its inputs, without new equilibria.
 
+    With the contact powers P of a sample and P0 of the design's own inputs, under the same forces, the sample loses P
+    (1 + `growth` (P/P0 - 1)), because the forces change with the friction.
+
     Parameters
     ----------
     reducer
         The reducer, for the power of its load-independent drag.
     contact_power
-        Function from inputs of the law to the friction power of all contacts under these forces [W].
+        Function from inputs of the law to the friction power of all contacts under the same forces [W].
     growth
         Relative change of the contact forces per relative change of the friction coefficients [1].
     samples

@@ -70,11 +70,11 @@ def _solve_rotation(
 ) -> tuple[float, float]:
     """Solve for the common rotation [rad] at which contact springs with clearance carry a moment.
 
-    The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs at each of
-    `arms` (m,) [m], and one spring with `extra_arm` and a clearance of its own (none if the arm is 0). The moment is a
-    convex, piecewise linear function of the rotation, so that Newton's method decreases to the solution from a larger
-    `start` [rad], such as the solution without the extra spring, or inf, at which all springs are closed. The second
-    result is the sum of the squared arms of closed springs [m2].
+    The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs with the
+    `clearance` [m] at each of `arms` (m,) [m], and one spring with `extra_arm` and `extra_clearance` (none if the arm
+    is 0). The moment is a convex, piecewise linear function of the rotation, so that Newton's method decreases to the
+    solution from a larger `start` [rad], such as the solution without the extra spring, or inf, at which all springs
+    are closed. The second result is the sum of the squared arms of closed springs [m2].
     """
     rotation, squared_arms = start, 0.0
     while True:

@@ -36,7 +36,7 @@ class PinErrorEquilibrium:
     loads: RvLoads
 
     def rotation(self, displacements: Array) -> Array:
-        """Compute the rotation of the output [rad], shape (m,), due to displacements of the pins [m], shape (N, 2).
+        """Compute the rotation of the output [rad], (m,), at m crank angles due to displacements of N pins [m], (N, 2).
 
         A displaced pin changes gap and position along the flank as the opposite displacement of the disc does.
 
@@ -62,7 +62,8 @@ class PinErrorEquilibrium:
 def pin_error_equilibrium(reducer: RvReducer, torque: float) -> PinErrorEquilibrium:
     """Compute the equilibrium of a reducer with perfectly placed pins under a torque on the carrier [N m].
 
-    Friction is left out; so are errors of cranks, bores and planets, which do not repeat after a turn of the cranks.
+    There are `ANGLES_PER_PIN` crank angles per pin over a turn of the cranks. Friction is left out; so are errors of
+    cranks, bores and planets, which do not repeat after this turn.
     """
     pins = reducer.design.ring.teeth
     perfect_reducer = reducer.but(errors={"pin_x": (0.0,) * pins, "pin_y": (0.0,) * pins}, crank_errors=CrankErrors())

@@ -215,7 +215,7 @@ def error_rotation(reducer: RvReducer) -> Array:
     """Compute the rotation of the output [rad] due to errors of cranks, bores, planets, output and positions of pins.
 
     It is the sum of `closed_rotation` and of the rotation by the pins (`pin_equilibrium`) under the nominal torque, at
-    the angles of `closed_form_angles`.
+    the n angles of `closed_form_angles`, shape (n,).
     """
     rotation, displacements = closed_rotation(reducer), reducer.deviations.pin_displacement
     if not displacements.any():

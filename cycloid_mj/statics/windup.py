@@ -185,11 +185,10 @@ def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated
 
 
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work [J] in teeth, cam and output pins as the load rises from a `low` to a `high` one.
+    """Compute the work [J] in output pins, cam and mesh as the load rises from a `low` to a `high` one.
 
-    The result has shape (m,) for m crank angles, by name of the contact (`SPRINGS`). The work is force increment times
-    relative displacement, summed over the contact `springs`. The work that bends the output pins is separate,
-    "bending".
+    The keys are "output", "cam" and "mesh", and "bending" for the work that bends the output pins; each has the shape
+    (m,) for m crank angles. The work is force increment times relative displacement, summed over the contact `springs`.
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)

@@ -393,7 +393,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric stiffness matrix by SuperLU; return a function that solves for displacements.
+    """Factorise a symmetric stiffness matrix by SuperLU; return the function of `_factorise`.
 
     `lower` is the lower triangle of the matrix, and `part` the name of the part for messages.
     """

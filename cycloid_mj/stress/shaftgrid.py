@@ -64,7 +64,8 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
 def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
     """Mesh the shaft by gmsh; return a scikit-fem mesh of quadratic tetrahedra [m].
 
-    Its cylinders are merged to one solid. `edge` is the longest edge [m]; edges are shorter near the inner corners.
+    Its cylinders are merged to one solid; raise CycloidError if they do not touch. `edge` is the longest edge [m];
+    edges are shorter near the inner corners.
     """
     with open_mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ

@@ -87,7 +87,10 @@ def _run_with_versions(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
 
 @contextmanager
 def _connect_client(scheduler: str) -> Iterator[Any]:
-    """Yield a Dask client of the scheduler at an address; cancel unfinished work when the block ends."""
+    """Yield a Dask client of the scheduler at an address; cancel unfinished work when the block ends.
+
+    Raise UsageError for an invalid address or without Dask, RunError if no scheduler answers.
+    """
     if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
         raise UsageError(f"--scheduler {scheduler!r} is not an address: give HOST:PORT, e.g. 10.0.0.1:8786")
     try:
