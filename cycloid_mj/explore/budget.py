@@ -14,8 +14,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.statistics import student_half_width
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.explore.sampling import WAVE, Batch
-from cycloid_mj.explore.zone import Zone
 
 
 @dataclass(frozen=True)

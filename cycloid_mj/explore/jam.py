@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.explore.sampling import Batch, apply_deviations, draw_deviations, unchecked_design_of_sample
-from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import find_tightest_pairs
 from cycloid_mj.statics.samples import identical_samples

@@ -15,8 +15,8 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import ARCSECOND, MICROMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.design.rv import CrankErrors
+from cycloid_mj.design.zone import Zone, parse_zone
 from cycloid_mj.explore.budget import Share
-from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv_sheet import (
     closed_form_angles,

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.design import Design
-from cycloid_mj.explore.zone import Zone, parse_zone, wave_zones
+from cycloid_mj.design.zone import Zone, parse_zone, wave_zones
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.measured import measured_deviations
 from cycloid_mj.reducer import Reducer

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from typing import cast
 
 from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.explore.rv_samples import crank_zones
 from cycloid_mj.explore.sampling import tolerance_zones
-from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer, RvReducer
 
 ZONES: Mapping[Layout, Callable[[Reducer], Mapping[str, Zone]]] = {

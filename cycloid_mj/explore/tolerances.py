@@ -18,6 +18,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore import rv_samples, sampling
 from cycloid_mj.explore.budget import (
@@ -31,7 +32,6 @@ from cycloid_mj.explore.budget import (
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
 from cycloid_mj.explore.jam import JAM, PRELOADS, compute_preload_shares, explain_jams, find_jams, stops_study
 from cycloid_mj.explore.verify import DynamicsCheck, table_rows, verify_design
-from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of

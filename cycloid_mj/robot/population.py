@@ -19,9 +19,9 @@ from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.explore import sampling
 from cycloid_mj.explore.rv_samples import crank_zones, draw_rv_drive
-from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, assumed_inputs
 from cycloid_mj.reducer import Reducer

@@ -7,9 +7,9 @@ import pytest
 from scipy.stats import binom, qmc, sobol_indices, uniform
 
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design.zone import Zone
 from cycloid_mj.explore import budget, sampling, tolerances
 from cycloid_mj.explore.jam import PRELOADS, find_jams
-from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 
 Function = Callable[[dict[str, np.ndarray]], np.ndarray]

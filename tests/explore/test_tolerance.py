@@ -16,11 +16,11 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.design.model import NO_FRICTION
+from cycloid_mj.design.zone import Zone, parse_zone
 from cycloid_mj.explore import budget, sampling, tolerances
 from cycloid_mj.explore.constraints import parse_limit, require_consistent
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.explore.verify import DynamicsCheck, verify_design
-from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.figures import figure, sampled
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit, find_tightest_pairs, stops

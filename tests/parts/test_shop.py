@@ -13,7 +13,8 @@ from designs import CENTRAL, cases, design_file
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, load
+from cycloid_mj.design import PRESETS, load, resolve
+from cycloid_mj.design.fits import limits
 from cycloid_mj.parts import mesh, part_sections
 from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Spline
@@ -23,6 +24,7 @@ from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bill import consumables, out_of_stock
 from cycloid_mj.parts.export.drawing import part_drawings
 from cycloid_mj.parts.export.drive import drive_mass
+from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.printing import manufactured_parts
 from cycloid_mj.parts.export.rules import describe_violations
@@ -238,6 +240,63 @@ def test_a_drawing_states_zones_deviations_and_threads():
     assert any("Ra 0.8" in note for note in cover.notes)
     assert any("35 lobes, N = 36" in note for note in drawings["gear"].notes)
     assert "no heat treatment" in cover.title
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "printed", "twodisc"])
+def test_each_drawing_defines_its_datums_and_a_single_general_tolerance(name):
+    reducer = Reducer(PRESETS[name])
+    for drawing in part_drawings(reducer, casing(reducer)):
+        text = "\n".join(drawing.notes)
+        if " to A" in text:
+            assert "datum A: axis of" in text, drawing.name
+            assert "datum B:" in text, drawing.name
+        assert ("ISO 2768-m" in text) != ("printed: general tolerance" in text), drawing.name
+
+
+def test_all_sizes_that_parts_run_or_fit_on_have_a_tolerance():
+    """Bores for motor shaft and pilot, rollers, output holes, sockets, widths, and pin holes of the second disc."""
+    reducer = Reducer(resolve(PRESETS["pin"], {"output.support": "both_ends", "tolerance.eccentricity": "normal 0.5"}))
+    sizes = casing(reducer)
+    drawings = {drawing.name: drawing for drawing in part_drawings(reducer, sizes)}
+    notes = {name: "\n".join(drawing.notes) for name, drawing in drawings.items()}
+    diameters = {name: [item.text for item in drawing.diameters] for name, drawing in drawings.items()}
+    assert any(text.startswith("⌀38.1 H8 (+39/+0 µm)") for text in diameters["motor_cover"])
+    assert any(text.startswith("⌀6.35 H7 (+15/+0 µm)") for text in diameters["shaft"])
+    assert diameters["gear"] == ["⌀30.002 H6 (+16/+0 µm)"], "the rollers of the cam run in it"
+    assert diameters["bearing_spacer_1"][0].startswith("⌀22.4 f7 (-20/-41 µm)")
+    assert diameters["bearing_spacer_2"][1].startswith("⌀16 F8 (+43/+16 µm)")
+    assert any("± 0.0015" in text for text in diameters["shaft"]), "three standard deviations of the study"
+    assert re.search(r"counterweight: half disc R[\d.]+", notes["shaft"])
+    assert re.search(r"\d+ x ⌀[\d.]+ ± [\d.]+ on ⌀[\d.]+, position ⌀[\d.]+ to A", notes["gear"])
+    assert re.search(r"36 sockets ⌀4.5020 on ⌀81.5, open to the bore ⌀", notes["housing"])
+    for disc in ("output", "output_2"):
+        assert re.search(r"\d+ x ⌀[\d.]+ N7 on ⌀[\d.]+, position ⌀0.01 to A", notes[disc])
+    play = f"{0.5e3 * sizes.play:g}"
+    assert f"0/-{play}; faces" in notes["gear"]
+    assert f"+{play}/0; faces" in notes["housing"]
+
+
+def test_a_ring_between_covers_is_centred_by_its_seat_or_by_dowels():
+    """Without dowels its seat is H7/h6 without play; else the play is larger than both tolerances, except printed."""
+    for name in ("pin", "twodisc", "printed", "nonpin"):
+        reducer = Reducer(PRESETS[name])
+        sizes = casing(reducer)
+        for joint in drive_joints(reducer, sizes):
+            if joint.name == "ring in the motor cover" and joint.fit:
+                ((_, radius, *_),) = joint.holes_in("motor_cover")
+                play = 2.0 * radius - joint.diameter
+                shaft, hole = joint.fit.split(" in ")
+                loosest_shaft, tightest_hole = limits(shaft, joint.diameter)[1], limits(hole, joint.diameter)[0]
+                assert play + tightest_hole - loosest_shaft >= 0.0
+                assert (play > 0.0) == (bool(sizes.dowel) and not sizes.has_outer_dowels)
+
+
+def test_a_plain_roller_is_drawn_with_its_fit():
+    reducer = Reducer(resolve(PRESETS["pin"], {"output.roller_bearing": "plain", "output.core_radius_mm": 2.0}))
+    drawings = {drawing.name: drawing for drawing in part_drawings(reducer, casing(reducer))}
+    outside, bore = sorted((item.text for item in drawings["output_roller"].diameters), key=lambda text: "E8" in text)
+    assert re.match(r"⌀[\d.]+ ± [\d.]+", outside)
+    assert re.match(r"⌀[\d.]+ E8 \(\+\d+/\+\d+ µm\)", bore)
 
 
 def test_drawings_are_files(tmp_path: Path):

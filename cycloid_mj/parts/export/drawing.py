@@ -1,7 +1,8 @@
 """Content of the drawings of manufactured parts: views, dimensions with tolerances, roughness, hardness and datums.
 
-Symbols follow ISO GPS: sizes with zones of ISO 286 and their deviations, datum A the axis of the first seat, datum B
-the face at the lower end; general tolerances of ISO 22081 and ISO 2768-m.
+Symbols follow ISO GPS: sizes with zones of ISO 286 and their deviations, datum A the axis of the finest seat, datum B
+the face at the lower end; general tolerances of ISO 22081 and ISO 2768-m. Eccentricities, and sizes and positions of
+output holes, have the limits of the tolerance study.
 """
 
 import io
@@ -16,12 +17,14 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, in_mm
 from cycloid_mj.design import Design, Material, fits
+from cycloid_mj.design.zone import parse_zone
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_radius
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.bearings import roller_bore
 from cycloid_mj.parts.export.cam_notes import describe_cam_joint
 from cycloid_mj.parts.export.casing import (
     Casing,
@@ -35,7 +38,9 @@ from cycloid_mj.parts.export.joint import Joint, JointKind
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.printing import manufactured_parts, material_part, part_material
 from cycloid_mj.parts.export.step import BrokenEdge
+from cycloid_mj.parts.shaft import COUNTERWEIGHT
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import wall_radius
 
 ROUGHNESS = {"seat": "Ra 0.8", "raceway": "Ra 0.2", "teeth": "Ra 0.4", "other": "Ra 3.2"}
 """Roughness by kind of surface [um]: seats of bearings and pins (SKF, Rolling bearings, 2018, IT6 and IT7), raceways of
@@ -51,7 +56,14 @@ HARDNESS = (
 
 EDGES = "edges without indication: chamfer 0.2 to 0.5 mm; inside corners: radius 0.3 mm at most (ISO 13715)"
 GENERAL = "general tolerances ISO 2768-m, geometry ISO 22081: profile 0.1 mm to A and B; sizes ISO 8015"
-PRINTED = "printed: general tolerance 0.2 mm; ream seats after printing"
+PRINTED = "printed: general tolerance 0.2 mm in place of ISO 2768; ream seats after printing"
+SOFT_THREADS = "protect threads from carburizing"
+
+ECCENTRICITY_TOLERANCE = 5e-6
+"""Half of the tolerance of an eccentricity [m] without a tolerance study (assumed)."""
+
+SPACERS, SPACER_ZONES = (names.SPACER, names.BEARING_SPACER, names.CRANK_RING), ("F8", "f7")
+"""Rings on the crank and in the motor cover, and the zones of bore and outside that slide on their seats (usual)."""
 
 _ZONE = re.compile(r"\b([A-Z]{1,2}|[a-z]{1,2})(\d{1,2})\b")
 
@@ -127,13 +139,19 @@ def _draw_part(
     """
     material, is_printed_part = part_material(reducer, name, casing), is_printed(reducer, material_part(reducer, name))
     diameters = section_diameters(
-        part, names.CAM, lambda radius, inner: _tolerance_zone(reducer, name, joints, radius, inner=inner)
+        part,
+        names.CAM,
+        lambda radius, inner: _tolerance_zone(reducer, casing, name, joints, radius, inner=inner),
+        _eccentricity_tolerance(reducer.design),
     )
     notes = (
         *_describe_holes(name, joints),
         *describe_cam_joint(reducer, casing, name),
-        *_describe_tolerances(reducer, name, diameters),
+        *_describe_counterweight(reducer, part),
+        *_describe_tolerances(reducer, name, diameters, joints),
+        *(() if is_printed_part else _describe_widths(casing, part)),
         *_describe_broken_edges(broken_edges(reducer, casing, part)),
+        *([SOFT_THREADS] if "case-hardened" in material.name and _has_threads(name, joints) else ()),
         *describe_surface(name, material, is_printed_part),
     )
     return lay_out_drawing(part, name, title_block(reducer, name, count, material), diameters, notes)
@@ -162,7 +180,9 @@ def lay_out_drawing(
     return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
 
 
-def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool], str]) -> tuple[Dimension, ...]:
+def section_diameters(
+    part: Part, eccentric: str, zone_of: Callable[[float, bool], tuple[str, float]], eccentricity_tolerance: float
+) -> tuple[Dimension, ...]:
     """Return each diameter of a part about its axis or about an eccentric, with its ends along z and tolerance zone.
 
     Parameters
@@ -173,7 +193,9 @@ def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool
         Word in the names of segments that are cylinders about an eccentric axis.
     zone_of
         Function of a radius [m] and a flag that is true for a bore. It returns the tolerance zone, such as ``H7``, or
-        an empty string if the diameter has none.
+        an empty string if the diameter has none, and the nominal diameter [m] of the zone.
+    eccentricity_tolerance
+        Half of the tolerance of an eccentricity [m].
     """
     spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
     for segment in part.segments:
@@ -185,34 +207,54 @@ def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool
                 spans.setdefault(key, []).extend((segment.z0, segment.z1))
     dimensions = []
     for (radius, inner, centre), ends in spans.items():
-        eccentricity, zone = float(np.hypot(*centre)), zone_of(radius, inner)
-        limits = (
-            f" ({_format_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
-        )
-        text = f"⌀{in_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
-        text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± 0.005" if eccentricity > SAME_LENGTH else ""
+        eccentricity, (zone, size) = float(np.hypot(*centre)), zone_of(radius, inner)
+        limits = f" ({_format_deviations(zone, size)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
+        text = f"⌀{in_mm(size)}" + (f" {zone}{limits}" if zone else "")
+        if eccentricity > SAME_LENGTH:
+            half_width = f"{MILLIMETRES * eccentricity_tolerance:.2g}"
+            text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± {half_width}"
         dimensions.append(Dimension(text, min(ends), max(ends), radius))
     return tuple(dimensions)
 
 
-def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
-    """Return the tolerance zone of a surface, such as ``H7``, from the joint that it belongs to; empty without a joint.
+def _tolerance_zone(
+    reducer: Reducer, casing: Casing, name: str, joints: Sequence[Joint], radius: float, *, inner: bool
+) -> tuple[str, float]:
+    """Return the tolerance zone of a surface, such as ``H7``, and its nominal diameter [m].
 
-    The surface belongs to the part `name`, has a `radius` [m] and is a bore if `inner`.
+    The zone is that of the joint that the surface belongs to, or a tolerance such as ``± 0.001`` [mm] of the diameter
+    of a roller; empty without a joint. The surface belongs to the part `name`, has a `radius` [m] and is a bore if
+    `inner`.
     """
-    is_on_crank = name == names.SHAFT or names.family(name) == names.CAM
+    diameter, is_on_crank = 2.0 * radius, name == names.SHAFT or names.family(name) == names.CAM
     if not inner and is_on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:
-        return "h5"
+        return "h5", diameter
+    if names.family(name) == names.ROLLER and not inner:
+        return f"± {_size_tolerance(reducer.design)}", diameter
+    seat_radius = reducer.design.shaft.radius if inner else casing.seat
+    if names.family(name) in SPACERS and abs(radius - seat_radius) < SAME_LENGTH:
+        return SPACER_ZONES[0 if inner else 1], diameter
     for joint in joints:
-        seats = {
-            joint.diameter,
-            *(size for part in joint.bought for dimension, size in part.dimensions if "outside" in dimension),
-        }
-        if name in joint.parts and any(abs(0.5 * size - radius) < SAME_LENGTH for size in seats if size):
-            for letters, grade in _ZONE.findall(joint.fit):
-                if letters.isupper() == inner:
-                    return f"{letters}{grade}"
-    return ""
+        for size in _joint_sizes(reducer, joint, name, inner):
+            if name in joint.parts and abs(0.5 * size - radius) < SAME_LENGTH:
+                for letters, grade in _ZONE.findall(joint.fit):
+                    if letters.isupper() == inner:
+                        return f"{letters}{grade}", joint.diameter if names.family(name) == names.ROLLER else size
+    return "", diameter
+
+
+def _joint_sizes(reducer: Reducer, joint: Joint, name: str, inner: bool) -> Iterator[float]:
+    """Yield the diameters [m] of the surfaces of a part that a joint locates: its own, bought parts and drawn bores."""
+    if joint.diameter:
+        yield joint.diameter
+        if names.family(name) == names.ROLLER and inner:
+            yield 2.0 * roller_bore(reducer)
+    for part in joint.bought:
+        yield from (size for dimension, size in part.dimensions if "outside" in dimension)
+    if inner and name in joint.parts and names.CAM_BEARING in joint.parts:
+        yield 2.0 * (reducer.design.gear.bore_radius + reducer.design.clearance.cam)
+    if joint.kind is JointKind.LOCATED and inner:
+        yield from (2.0 * hole_radius for _, hole_radius, *_ in joint.holes_in(name))
 
 
 def _format_deviations(zone: str, size: float) -> str:
@@ -243,26 +285,91 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
             yield f"{size}, {thread}{position_text} ({joint.name})"
 
 
-def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
+def _has_threads(name: str, joints: Sequence[Joint]) -> bool:
+    """Return whether a part has threads of its own, without inserts."""
+    return any(item.part == name and not item.insert for joint in joints for item in joint.threads)
+
+
+def _describe_counterweight(reducer: Reducer, part: Part) -> Iterator[str]:
+    """Yield the note on the counterweight of a crank: its radius and its position; none for other parts."""
+    if any(segment.name == COUNTERWEIGHT for segment in part.segments):
+        radius = in_mm(reducer.design.shaft.counterweight_radius)
+        yield f"counterweight: half disc R{radius}, opposite to the eccentric within 1°"
+
+
+def _describe_widths(casing: Casing, part: Part) -> Iterator[str]:
+    """Yield the note on the tolerance of a width that the axial play of the discs depends on; none for other parts."""
+    family, (low, high) = names.family(part.name), (part.segments[0].z0, part.segments[-1].z1)
+    limits = {names.GEAR: "0/-{}", names.ROLLER: "0/-{}", names.HOUSING: "+{}/0"}.get(family)
+    if limits:
+        tolerance = in_mm(0.5 * casing.play)
+        yield f"width {in_mm(high - low)} {limits.format(tolerance)}; faces parallel within 0.01"
+
+
+def _describe_tolerances(
+    reducer: Reducer, name: str, diameters: Sequence[Dimension], joints: Sequence[Joint]
+) -> Iterator[str]:
     """Yield the notes of a drawing on datums, run-out of seats, and position and profile of teeth and pin holes.
 
-    `name` is the name of the part, and `diameters` are the dimensions of its section.
+    `name` is the name of the part, `diameters` are the dimensions of its section, and `joints` all joints of the drive.
     """
-    design, seats = reducer.design, [item for item in diameters if " " in item.text and "eccentric" not in item.text]
+    design, output = reducer.design, reducer.design.output
+    seats = [item for item in diameters if " " in item.text and "eccentric" not in item.text]
+    datum = min(seats, key=_grade) if seats else max(diameters, key=lambda item: item.radius, default=None)
+    if datum:
+        yield f"datum A: axis of {datum.text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
     if seats:
-        yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
         yield "total run-out of all seats to A: 0.01; perpendicularity of their shoulders to A: 0.01"
+    circle = f"⌀{in_mm(2.0 * output.pin_circle_radius)}"
     if names.family(name) == names.GEAR:
         yield describe_lobes(design, "A")
-        yield (
-            f"{design.output.pins} x ⌀{in_mm(2.0 * (design.output.hole_radius + design.clearance.output))} on "
-            f"⌀{in_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * _profile_tolerance(design):.4f} to A"
-        )
+        hole = f"⌀{MILLIMETRES * 2.0 * (output.hole_radius + design.clearance.output):.4f} ± {_size_tolerance(design)}"
+        yield f"{output.pins} x {hole} on {circle}, position ⌀{_hole_position_tolerance(design)} to A"
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "A")
-    if name == names.OUTPUT:
-        circle = in_mm(2.0 * design.output.pin_circle_radius)
-        yield f"{design.output.pins} x ⌀{in_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
+    pin_joints = (joint for joint in joints if joint.kind is JointKind.PRESSED and names.OUTPUT_PIN in joint.parts)
+    pin_fits = [joint.fit for joint in pin_joints if name in joint.parts]
+    for letters, grade in _ZONE.findall(pin_fits[0] if pin_fits else ""):
+        if letters.isupper():
+            hole = f"⌀{in_mm(2.0 * output.root_radius)} {letters}{grade}"
+            yield f"{output.pins} x {hole} on {circle}, position ⌀0.01 to A"
+
+
+def _grade(dimension: Dimension) -> int:
+    """Return the grade of the tolerance zone of a diameter, such as 6 for ``N6``; a large number without a zone."""
+    match = _ZONE.search(dimension.text)
+    return int(match[2]) if match else max(fits.GRADES)
+
+
+def _half_width(text: str, key: str, size: float, default: float) -> float:
+    """Return the largest deviation [m] of a tolerance of the design file; `default` without one."""
+    zone = parse_zone(text, key, size, 0.0)
+    return max(map(abs, zone.limits)) if zone else default
+
+
+def _eccentricity_tolerance(design: Design) -> float:
+    """Return half of the tolerance of the eccentricity [m]: that of the tolerance study, or 5 um."""
+    size = 2.0 * design.gear.bore_radius
+    return _half_width(design.tolerance.eccentricity, "eccentricity", size, ECCENTRICITY_TOLERANCE)
+
+
+def _size_tolerance(design: Design) -> str:
+    """Return half of the tolerance of the diameters of output holes and rollers [mm], as text.
+
+    Hole and roller share the variation of the radial clearance in the tolerance study equally, or half of the
+    clearance.
+    """
+    clearance, size = design.clearance.output, 2.0 * design.output.hole_radius
+    zone = parse_zone(design.tolerance.output, "output", size, clearance)
+    half_width = 0.5 * (zone.limits[1] - zone.limits[0]) if zone else 0.5 * clearance
+    return f"{MILLIMETRES * half_width:.2g}"
+
+
+def _hole_position_tolerance(design: Design) -> str:
+    """Return the diameter of the zone of an output hole's axis [mm]: that of the tolerance study, or of the teeth."""
+    text, size = design.tolerance.hole_position, 2.0 * design.output.hole_radius
+    default = _profile_tolerance(design) / MILLIMETRES
+    return f"{MILLIMETRES * 2.0 * _half_width(text, 'hole_position', size, default):.4f}"
 
 
 def _profile_tolerance(design: Design) -> float:
@@ -281,8 +388,14 @@ def describe_lobes(design: Design, datum: str) -> str:
 
 def describe_ring_teeth(design: Design, datum: str) -> str:
     """Return the note on the sockets or teeth of the ring, with their tolerance relative to a datum."""
-    teeth, circle = "sockets" if design.ring.kind == "pin" else "teeth", in_mm(2.0 * design.ring.pin_circle_radius)
-    return f"{design.ring.teeth} {teeth} on ⌀{circle}, profile {_profile_tolerance(design):.4f} to {datum}"
+    ring, teeth, bore = design.ring, "teeth", ""
+    if ring.kind == "pin":
+        teeth = f"sockets ⌀{MILLIMETRES * 2.0 * (ring.pin_radius + design.socket_play):.4f}"
+        bore = f", open to the bore ⌀{in_mm(2.0 * wall_radius(design))}"
+    return (
+        f"{ring.teeth} {teeth} on ⌀{in_mm(2.0 * ring.pin_circle_radius)}{bore}: outline from the DXF, profile "
+        f"{_profile_tolerance(design):.4f} to {datum}"
+    )
 
 
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
@@ -298,7 +411,8 @@ def describe_surface(name: str, material: Material, is_printed_part: bool) -> It
         race = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
         yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
     yield EDGES
-    yield GENERAL
+    if not is_printed_part:
+        yield GENERAL
 
 
 def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:

@@ -29,6 +29,7 @@ from cycloid_mj.parts.export.casing_rules import (
     flange_washer,
     hole_depth,
     insert_in,
+    is_printed,
     shoulder_radius,
     thickest_bolt,
 )
@@ -51,6 +52,10 @@ ITEMS = (
 SEAT_PLAY = 0.05e-3
 """Radial play of a ring in the cover around it, as dowels locate it [m] (heuristic): less than a printer or a lathe
 is off."""
+
+MOTOR_SHAFT_FIT, PILOT_FIT, RING_FIT, LOOSE_RING_FIT = "H7, retaining compound", "H8", "h6 in H7", "h9 in H9"
+"""Fits of the motor's shaft (h6 to h7) and pilot (h8), and of a ring in the cover that centres it, or that dowels
+replace (assumed, usual)."""
 
 MOTOR, LOAD = "motor", "load"
 """Mating parts that are not part of the drive."""
@@ -102,13 +107,15 @@ def cross_holes_of(reducer: Reducer, casing: Casing, part: str) -> tuple[CrossHo
 def _motor_shaft_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     bore = casing.motor_bore
     if bore:
-        hole = (AXIS, *bore)
-        yield Joint("shaft of the motor in the crank", JointKind.LOCATED, (MOTOR, names.SHAFT), ((names.SHAFT, hole),))
+        hole, seat = (AXIS, *bore), (1, 2.0 * bore[0], bore[2] - bore[1])
+        parts, name = (MOTOR, names.SHAFT), "shaft of the motor in the crank"
+        yield Joint(name, JointKind.LOCATED, parts, ((names.SHAFT, hole),), (), MOTOR_SHAFT_FIT, *seat)
 
 
 def _motor_pilot_joint(casing: Casing) -> Joint:
     recess = (AXIS, casing.motor.pilot, casing.face, casing.face + RULES.pilot_depth)
-    return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, names.MOTOR_COVER), ((names.MOTOR_COVER, recess),))
+    parts, seat = (MOTOR, names.MOTOR_COVER), (1, 2.0 * casing.motor.pilot, RULES.pilot_depth)
+    return Joint("pilot of the motor", JointKind.LOCATED, parts, ((names.MOTOR_COVER, recess),), (), PILOT_FIT, *seat)
 
 
 def _cover_bearing_joint(reducer: Reducer, casing: Casing) -> Joint:
@@ -377,11 +384,21 @@ def _motor_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
 
 
 def _ring_seat_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
-    """Yield the seat of a ring that the screws pass outside of."""
-    if casing.screws.outside:
-        seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -casing.end, casing.end - casing.play)
-        parts = (names.HOUSING, names.MOTOR_COVER)
-        yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((names.MOTOR_COVER, seat),))
+    """Yield the seat of a ring that the screws pass outside of.
+
+    It centres a ring of metal without dowels. Any other ring has play in it.
+    """
+    if not casing.screws.outside:
+        return
+    is_dowelled, radius = bool(casing.dowel) and not casing.has_outer_dowels, reducer.design.housing.outer_radius
+    has_play = is_dowelled or is_printed(reducer, names.HOUSING)
+    seat = (AXIS, radius + (SEAT_PLAY if has_play else 0.0), -casing.end, casing.end - casing.play)
+    name, parts, holes = "ring in the motor cover", (names.HOUSING, names.MOTOR_COVER), ((names.MOTOR_COVER, seat),)
+    if is_printed(reducer, names.HOUSING):
+        yield Joint(name, JointKind.LOCATED, parts, holes)
+        return
+    fit, size = LOOSE_RING_FIT if has_play else RING_FIT, (1, 2.0 * radius, 2.0 * casing.end - casing.play)
+    yield Joint(name, JointKind.LOCATED, parts, holes, (), fit, *size)
 
 
 def _flange_screw_joint(reducer: Reducer, casing: Casing) -> Joint:

@@ -17,6 +17,7 @@ from cycloid_mj.base.units import MILLIMETRES, in_mm
 from cycloid_mj.geometry.involute import InvoluteGear, span_measurement
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.drawing import (
+    ECCENTRICITY_TOLERANCE,
     PartDrawing,
     describe_lobes,
     describe_ring_teeth,
@@ -56,7 +57,12 @@ def rv_part_drawings(reducer: RvReducer) -> tuple[PartDrawing, ...]:
 def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
     """Return the drawing of a part of which a drive has `count` copies."""
     material = reducer.design.material_of(MATERIAL_OF.get(part.name, names.family(part.name)))
-    diameters = section_diameters(part, names.ECCENTRIC, lambda radius, inner: _zone(reducer, part.name, radius, inner))
+    diameters = section_diameters(
+        part,
+        names.ECCENTRIC,
+        lambda radius, inner: (_zone(reducer, part.name, radius, inner), 2.0 * radius),
+        ECCENTRICITY_TOLERANCE,
+    )
     datum = "datum B: the face at the lower end of the lengths"
     notes = (*_drawing_notes(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
     return lay_out_drawing(part, part.name, title_block(reducer, part.name, count, material), diameters, notes)

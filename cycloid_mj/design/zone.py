@@ -44,6 +44,12 @@ class Zone:
         """Standard deviation [m]."""
         return self.width if self.kind == "normal" else self.width / 3.0**0.5
 
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lower and upper limit [m]: those of a uniform distribution, or three standard deviations from the middle."""
+        half_width = 0.5 * ZONE_SIGMAS * self.width if self.kind == "normal" else self.width
+        return self.middle - half_width, self.middle + half_width
+
 
 def parse_zone(
     text: str, key: str, size: float, clearance: float | None = None, table: str = "tolerance"
