@@ -135,8 +135,8 @@ def _evaluate_discs(motion: Series) -> tuple[Disc, ...]:
     `motion` are the time series of the run. The tuple is empty for a single disc, which the findings of the run
     describe.
     """
-    count = motion.design.gear.discs
-    series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
+    disc_count = motion.design.gear.discs
+    series_by_disc = [motion.of_disc(disc) for disc in range(disc_count)] if disc_count > 1 else []
     return tuple(
         Disc(
             name=series_of_disc.gear,

@@ -43,10 +43,10 @@ def require_hold(reducer: Reducer, time: Array) -> None:
     `time` (n,) [s] are the times of its samples.
     """
     if not reaches_hold(reducer, time):
-        count = np.count_nonzero(~in_ramp(reducer, time))
+        sample_count = np.count_nonzero(~in_ramp(reducer, time))
         end_text = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
-            f"the run of {reducer.design.name} has {count} samples at constant crank speed, but at least "
+            f"the run of {reducer.design.name} has {sample_count} samples at constant crank speed, but at least "
             f"{WINDOW.min_samples} are needed: {end_text}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} "
             "s. Simulate the design again with a longer --hold-s, or without interrupting the run"
         )

@@ -252,8 +252,8 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: size_with_covers[key] for figure, key in sizes.items()} if size_with_covers else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
-    violated = {field: item for field, item in verdicts.items() if item["judgement"] != Judgement.PASSED}
-    requirement_texts = [f"{NAMES[field]}: {item['words']} required" for field, item in violated.items()]
+    violated = {field: result for field, result in verdicts.items() if result["judgement"] != Judgement.PASSED}
+    requirement_texts = [f"{NAMES[field]}: {result['words']} required" for field, result in violated.items()]
     words = "; ".join([*requirement_texts, *filter(None, (reason,))])
     return {
         "title": drive.title,
@@ -262,7 +262,7 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
         "figures": figures,
         "life": format_life(figures["life_h"]),
         "verdicts": verdicts,
-        "verdict": verdict(gravest(Judgement(item["judgement"]) for item in verdicts.values()), words),
+        "verdict": verdict(gravest(Judgement(result["judgement"]) for result in verdicts.values()), words),
     }
 
 
@@ -271,13 +271,13 @@ def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
     It is passed if all drives meet the requirements, a warning if only some do, and failed if none does.
     """
-    passed_count, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
-    if passed_count == count:
-        return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")
+    passed_count, total = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
+    if passed_count == total:
+        return verdict(Judgement.PASSED, f"{total} drive{'s meet' if total > 1 else ' meets'} the requirements")
     if passed_count:
         return verdict(
             Judgement.WARNING,
-            f"{passed_count} of {count} drives meet{'s' if passed_count == 1 else ''} the requirements",
+            f"{passed_count} of {total} drives meet{'s' if passed_count == 1 else ''} the requirements",
         )
     judged = [item for drive in drives for item in drive["verdicts"].items()]
     violated = dict.fromkeys(NAMES[field] for field, judged in judged if judged["judgement"] != Judgement.PASSED)

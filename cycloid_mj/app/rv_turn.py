@@ -32,7 +32,7 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
     springs, carrier_torque = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     loads = solve_rv_loads(springs, carrier_torque, running_friction(reducer, crank, float(np.sign(carrier_torque))))
     normal = springs.tooth_slope[..., :2]
-    discs, count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
+    discs, crank_count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
     bearing_forces = loads.bearings
     bearing_directions = loads.cranks / np.maximum(bearing_forces, np.finfo(float).tiny)[..., np.newaxis]
     axes = reducer.stage.crank_positions(crank)[:, np.newaxis]
@@ -47,9 +47,9 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
             "direction": normal,
         },
         "output": {
-            "force": bearing_forces.reshape(len(crank), discs * count),
-            "position": (axes + centres).reshape(len(crank), discs * count, 2),
-            "direction": bearing_directions.reshape(len(crank), discs * count, 2),
+            "force": bearing_forces.reshape(len(crank), discs * crank_count),
+            "position": (axes + centres).reshape(len(crank), discs * crank_count, 2),
+            "direction": bearing_directions.reshape(len(crank), discs * crank_count, 2),
         },
         "discs": poses,
         "output_turn": loads.carrier_turn,

@@ -154,10 +154,10 @@ def error(reducer: Reducer) -> dict[str, Any]:
     crank_angles = np.linspace(0.0, reducer.mesh_turn, SETTINGS.angles_per_mesh * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of the load", 0.01)):
-        angle = _output_error(reducer, crank_angles, share * load)
-        curves.append({"name": name, "arcsec": np.round(angle, 4).tolist(), "peak_to_peak": float(np.ptp(angle))})
-    count = SETTINGS.spectrum_angles_per_mesh * design.lobes * design.ring.teeth
-    full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
+        arcsec = _output_error(reducer, crank_angles, share * load)
+        curves.append({"name": name, "arcsec": np.round(arcsec, 4).tolist(), "peak_to_peak": float(np.ptp(arcsec))})
+    angle_count = SETTINGS.spectrum_angles_per_mesh * design.lobes * design.ring.teeth
+    full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, angle_count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
     spectrum = periodic_orders(full_turn, deviation, float(output_order(reducer)), SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)

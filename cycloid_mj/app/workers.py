@@ -128,18 +128,18 @@ def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
     serve_parent()
     if nice and hasattr(os, "nice"):  # not on Windows
         os.nice(NICENESS)
-    for work, args in warm_up:
+    for function, args in warm_up:
         with suppress(CycloidError):  # the first design may be one that cannot be built
-            work(*args)
+            function(*args)
     gc.freeze()  # modules and common data: a collection of the rest takes a millisecond
     while True:
         gc.collect()  # reducers contain reference cycles: 350 MB in 200 moves if left to Python's own schedule
         try:
-            work, args, reports_progress = pipe.recv()
+            function, args, reports_progress = pipe.recv()
         except EOFError:
             return
         try:
-            result = work(_reporter(pipe), *args) if reports_progress else work(*args)
+            result = function(_reporter(pipe), *args) if reports_progress else function(*args)
         except CycloidError as error:
             pipe.send(("failed", str(error)))
         except Exception as error:  # a failure with one design must not end the page

@@ -173,8 +173,8 @@ class Calibration(Presented):
         """Return a table with named columns: values fitted to measured loops in their units, with 95 % intervals."""
         names = ("key", "value", "unit", "low", "high", "identified")
         rows: list[dict[str, Cell]] = [
-            dict(zip(names, (key, item.value, item.unit, *item.ci95, item.identified), strict=True))
-            for key, item in self.estimates.items()
+            dict(zip(names, (key, estimate.value, estimate.unit, *estimate.ci95, estimate.identified), strict=True))
+            for key, estimate in self.estimates.items()
         ]
         return make_frame(rows, names, {})
 
@@ -302,9 +302,9 @@ class Calibration(Presented):
         """
         modelled_figures = self.modelled.in_units()
         rows = []
-        for key, item in self.measured.in_units().items():
-            interval_text = f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else ""
-            values = _format_number(item.value), interval_text, _format_number(modelled_figures[key].value)
+        for key, loop_figure in self.measured.in_units().items():
+            interval_text = f"{loop_figure.low:.4g} to {loop_figure.high:.4g}" if np.isfinite(loop_figure.value) else ""
+            values = _format_number(loop_figure.value), interval_text, _format_number(modelled_figures[key].value)
             rows.append((key, *values, DEFINITIONS[key]))
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
@@ -614,13 +614,13 @@ def _build_calibration(fitted: Fitted) -> Calibration:
 
     The loop quantities are play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
     """
-    count = len(fitted.parameters)
+    parameter_count = len(fitted.parameters)
     estimates = {parameter.key: _estimate_value(fitted, index) for index, parameter in enumerate(fitted.parameters)}
     parameter_correlations = correlations(fitted)
     keys = list(estimates)
     pairs = [
         (row, column)
-        for row in range(count)
+        for row in range(parameter_count)
         for column in range(row)
         if abs(parameter_correlations[row, column]) > LIMITS.max_correlation
     ]
@@ -822,12 +822,12 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], condition: LoopC
 def _require_sensitivity(problem: FitProblem) -> None:
     """Raise UsageError if no parameter of the fit `problem` changes any loop (central differences of the residuals)."""
     start_values = np.array(
-        [item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops))
+        [parameter.to_scale(parameter.start) for parameter in problem.parameters] + [0.0] * (2 * len(problem.loops))
     )
     if not np.any(
         np.abs(problem.slopes(start_values, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity
     ):
         raise UsageError(
-            f"--fit {','.join(item.key for item in problem.parameters)}: none of these parameters affects the "
-            f"modelled loop. Fit parameters that do, such as {','.join(default_keys(problem.model.reducer))}"
+            f"--fit {','.join(parameter.key for parameter in problem.parameters)}: none of these parameters affects "
+            f"the modelled loop. Fit parameters that do, such as {','.join(default_keys(problem.model.reducer))}"
         )

@@ -240,11 +240,11 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
         The points are no loop: too few points, an outlier, a single branch, rows out of order, exchanged columns, or a
         deflection that cannot be in degrees.
     """
-    origin, count = origin or name, len(torque)
-    if count < SETTINGS.min_points:
+    origin, point_count = origin or name, len(torque)
+    if point_count < SETTINGS.min_points:
         raise UsageError(
-            f"{origin}: a loop needs at least {SETTINGS.min_points} points, but this one has {count}. Record the loop "
-            "with more points"
+            f"{origin}: a loop needs at least {SETTINGS.min_points} points, but this one has {point_count}. Record the "
+            "loop with more points"
         )
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
@@ -254,9 +254,9 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
             "loop. Record a full loop"
         )
     reversals, branch_numbers = _find_reversals(torque)
-    if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch_numbers))):
+    if point_count < SETTINGS.min_branch_points * (branches := len(np.unique(branch_numbers))):
         raise UsageError(
-            f"{origin}: the torque reverses {branches - 1} times in {count} points; a loop needs at least "
+            f"{origin}: the torque reverses {branches - 1} times in {point_count} points; a loop needs at least "
             f"{SETTINGS.min_branch_points} points per branch. Check that the rows are in chronological order"
         )
     _require_no_outlier(torque, TORQUE, origin)

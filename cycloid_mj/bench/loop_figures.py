@@ -354,17 +354,17 @@ def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
     `READING.min_points`, or if all have the same x.
     """
     x, y = x[mask], y[mask]
-    count, offsets = len(x), x - np.mean(x) if len(x) else x
+    point_count, offsets = len(x), x - np.mean(x) if len(x) else x
     sum_of_squares = float(offsets @ offsets)
-    if count < READING.min_points or sum_of_squares <= 0.0:
+    if point_count < READING.min_points or sum_of_squares <= 0.0:
         return None
     slope = float(offsets @ y) / sum_of_squares
     residuals = y - np.mean(y) - slope * offsets
     # correlated residuals count as one
-    correlation_time = min(autocorrelation_time(residuals), count / 3.0)
-    freedom = max(count / correlation_time - 2.0, 1.0)
-    noise = float(residuals @ residuals) / count * (count / correlation_time) / freedom
-    variances = noise * correlation_time / count, noise * correlation_time / sum_of_squares
+    correlation_time = min(autocorrelation_time(residuals), point_count / 3.0)
+    freedom = max(point_count / correlation_time - 2.0, 1.0)
+    noise = float(residuals @ residuals) / point_count * (point_count / correlation_time) / freedom
+    variances = noise * correlation_time / point_count, noise * correlation_time / sum_of_squares
     return _Line(float(np.mean(x)), float(np.mean(y)), slope, *variances, freedom)
 
 

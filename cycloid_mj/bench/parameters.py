@@ -296,17 +296,19 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
         `key` and `meaning` are those of the parameter, `start` is the design's clearance [m].
         """
-        tolerances = [
-            item
-            for item in SHIFTING
-            if item in zones and {"teeth": tooth_pair}.get(SHIFTING[item], SHIFTING[item]) in kinds
+        zone_keys = [
+            zone_key
+            for zone_key in SHIFTING
+            if zone_key in zones and {"teeth": tooth_pair}.get(SHIFTING[zone_key], SHIFTING[zone_key]) in kinds
         ]
         scale, set_play = max(0.3 * to_micrometres(start), 0.1), _play_setter(kinds)
         parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, set_play)
-        if not tolerances:
+        if not zone_keys:
             return parameter
-        mean_square = sum(zones[item].standard_deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
-        source = f"tolerance: {', '.join(tolerances)}"
+        mean_square = sum(
+            zones[zone_key].standard_deviation ** 2 + zones[zone_key].middle ** 2 for zone_key in zone_keys
+        )
+        source = f"tolerance: {', '.join(zone_keys)}"
         return replace(parameter, deviation=to_micrometres(math.sqrt(mean_square)), source=source)
 
     return (

@@ -47,8 +47,8 @@ class Prediction(Presented):
         """
         modelled_figures = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
-            {"key": key, "measured": item.value, "modelled": modelled_figures[key].value}
-            for key, item in self.measured.in_units().items()
+            {"key": key, "measured": measured_figure.value, "modelled": modelled_figures[key].value}
+            for key, measured_figure in self.measured.in_units().items()
         ]
         return make_frame(rows, ("key", "measured", "modelled"), {})
 

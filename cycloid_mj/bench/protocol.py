@@ -416,13 +416,13 @@ def _merge_quantities(figures: Sequence[LoopFigure]) -> LoopFigure:
 
     `figures` are the values with intervals; those that are NaN are left out.
     """
-    known_figures = [item for item in figures if not math.isnan(item.value)]
+    known_figures = [figure for figure in figures if not math.isnan(figure.value)]
     if not known_figures:
         return NO_FIGURE
     return LoopFigure(
-        float(np.mean([item.value for item in known_figures])),
-        min(item.low for item in known_figures),
-        max(item.high for item in known_figures),
+        float(np.mean([figure.value for figure in known_figures])),
+        min(figure.low for figure in known_figures),
+        max(figure.high for figure in known_figures),
     )
 
 
@@ -452,11 +452,11 @@ def _model_quantities(reducer: Reducer, rated_torque: float) -> dict[str, LoopFi
     `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of quantities does not have for the
     reducer are left out.
     """
-    error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
+    transmission_error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
     torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}
     return {
-        "te_arcsec": LoopFigure.about(float(np.ptp(error)) / ARCSECOND),
-        **{line: LoopFigure.about(item.value(reducer)) for line, item in torques.items()},
+        "te_arcsec": LoopFigure.about(float(np.ptp(transmission_error)) / ARCSECOND),
+        **{line: LoopFigure.about(torque_figure.value(reducer)) for line, torque_figure in torques.items()},
     }
 
 

@@ -281,9 +281,9 @@ class FitProblem:
             if step_ends[1, index] > high[index]:
                 step_ends[:, index] = scaled[index] - SETTINGS.difference_step, scaled[index]
             step_ends[:, index] = np.clip(step_ends[:, index], low[index], high[index])
-            width = step_ends[1, index] - step_ends[0, index]
-            change = compute_residuals(step_ends[1]) - compute_residuals(step_ends[0])
-            columns.append(change / width if width else np.zeros_like(change))
+            step_width = step_ends[1, index] - step_ends[0, index]
+            residual_change = compute_residuals(step_ends[1]) - compute_residuals(step_ends[0])
+            columns.append(residual_change / step_width if step_width else np.zeros_like(residual_change))
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
@@ -422,12 +422,12 @@ class FitProblem:
         return insert_free(solution.x)
 
 
-def _make_filler(start: Array, free_indices: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function from values at the indices `free_indices` to a copy of `start` with these values inserted."""
+def _make_filler(start: Array, indices: Sequence[int] | Integers) -> Callable[[Array], Array]:
+    """Return a function from values at some `indices` to a copy of `start` with these values inserted."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()
-        scaled_values[free_indices] = values
+        scaled_values[indices] = values
         return scaled_values
 
     return fill

@@ -280,8 +280,8 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
     except for an RV reducer.
     """
     turns = _crank_turns(reducer)
-    count = TE.poses_per_period * reducer.design.ring.teeth * turns
-    crank = 2.0 * np.pi * turns * np.arange(count) / count
+    angle_count = TE.poses_per_period * reducer.design.ring.teeth * turns
+    crank = 2.0 * np.pi * turns * np.arange(angle_count) / angle_count
     weightless_reducer = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     if isinstance(reducer, RvReducer):
         # a crank turn at a time, which bounds the memory
@@ -347,25 +347,25 @@ def _fit_zero(model_error: Array, measured: MeasuredError, turns: int) -> float:
     which is `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined
     by a parabola. The smallest of equally good angles is returned.
     """
-    count, full_turn = len(model_error), 2.0 * np.pi * turns
-    width = full_turn / count
+    angle_count, full_turn = len(model_error), 2.0 * np.pi * turns
+    interval = full_turn / angle_count
     # the measured curve on the model's angles, then all shifts at once
-    bins = np.floor(np.mod(measured.crank, full_turn) / width + 0.5).astype(int) % count
+    bins = np.floor(np.mod(measured.crank, full_turn) / interval + 0.5).astype(int) % angle_count
     error = measured.error - measured.error.mean()
-    binned_sums, counts = np.zeros(count), np.zeros(count)
+    binned_sums, counts = np.zeros(angle_count), np.zeros(angle_count)
     np.add.at(binned_sums, bins, error)
     np.add.at(counts, bins, 1.0)
     model_spectrum, count_spectrum = np.fft.rfft(model_error), np.conj(np.fft.rfft(counts))
-    cross_correlation = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * model_spectrum, count)
-    model_power = np.fft.irfft(count_spectrum * np.fft.rfft(model_error**2), count)
-    model_sum = np.fft.irfft(count_spectrum * model_spectrum, count)
+    cross_correlation = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * model_spectrum, angle_count)
+    model_power = np.fft.irfft(count_spectrum * np.fft.rfft(model_error**2), angle_count)
+    model_sum = np.fft.irfft(count_spectrum * model_spectrum, angle_count)
     squared_residual = (
         model_power - 2.0 * cross_correlation - model_sum**2 / counts.sum()
     )  # about the mean of the model at the measured angles
     index = int(np.argmax(squared_residual <= squared_residual.min() + TE.zero_rtol * np.ptp(squared_residual)))
-    neighbours = [squared_residual[(index + shift) % count] for shift in (-1, 0, 1)]
+    neighbours = [squared_residual[(index + shift) % angle_count] for shift in (-1, 0, 1)]
     curvature = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
-    return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * width)
+    return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * interval)
 
 
 def _interpolate_error(model_error: Array, crank: Array, turns: int) -> Array:

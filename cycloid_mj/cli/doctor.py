@@ -149,11 +149,11 @@ def _test_rendering() -> Iterator[Finding]:
         "model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
         "with opengl(model, 64, 64): pass"
     )
-    result = subprocess.run([sys.executable, "-c", test_code], capture_output=True, text=True, check=False)
+    process = subprocess.run([sys.executable, "-c", test_code], capture_output=True, text=True, check=False)
     reason = (
-        result.stderr.strip().splitlines()[-1] if result.stderr.strip() else "the graphics driver ended the process"
+        process.stderr.strip().splitlines()[-1] if process.stderr.strip() else "the graphics driver ended the process"
     )
-    is_working = result.returncode == 0
+    is_working = process.returncode == 0
     yield Finding(
         "rendering (render, animate, view)", is_working, False, "off-screen OpenGL works" if is_working else reason
     )

@@ -488,19 +488,19 @@ def _make_print_plates(reducer: Reducer, casing: "Casing | None", settings: "Pri
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files
 
-    result = print_files(reducer, casing, settings, tightening_torques(reducer) if casing else None)
-    warn(reducer.design.name, result.warnings)
-    counts: Counter[str] = sum((Counter(plate.counts) for plate in result.plates.values()), Counter())
+    print_output = print_files(reducer, casing, settings, tightening_torques(reducer) if casing else None)
+    warn(reducer.design.name, print_output.warnings)
+    counts: Counter[str] = sum((Counter(plate.counts) for plate in print_output.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    parts = (item for item in result.bill if item.made_or_bought != "consumable")  # these are notes
+    parts = (item for item in print_output.bill if item.made_or_bought != "consumable")  # these are notes
     rows = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in parts)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
         Table("bill of materials", columns, rows, words=(2, 3, 4, 5)),
     )
-    json_entries = {"bom": [asdict(item) for item in result.bill], "consumables": list(result.consumables)}
-    plate_by_file = {f"{stem}.stl": plate for stem, plate in result.plates.items()}
-    return _Plates(plate_by_file, dict(result.files), list(result.notes), tables, json_entries)
+    json_entries = {"bom": [asdict(item) for item in print_output.bill], "consumables": list(print_output.consumables)}
+    plate_by_file = {f"{stem}.stl": plate for stem, plate in print_output.plates.items()}
+    return _Plates(plate_by_file, dict(print_output.files), list(print_output.notes), tables, json_entries)
 
 
 def _find_casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":

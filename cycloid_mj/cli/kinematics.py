@@ -118,10 +118,10 @@ def _count_samples(until: float, interval: float) -> int:
 
     Raises UsageError if there are too many samples.
     """
-    count = math.floor(until / interval + ROUNDING) + 1
-    if count > RANGES.rows[1]:
+    sample_count = math.floor(until / interval + ROUNDING) + 1
+    if sample_count > RANGES.rows[1]:
         raise UsageError(
-            f"--until-s {until:g} with a step of {interval:g} s needs {count:.3g} rows, but at most {RANGES.rows[1]} "
-            "are allowed: increase --step-s or reduce --until-s"
+            f"--until-s {until:g} with a step of {interval:g} s needs {sample_count:.3g} rows, but at most "
+            f"{RANGES.rows[1]} are allowed: increase --step-s or reduce --until-s"
         )
-    return count
+    return sample_count

@@ -128,14 +128,16 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import encode_figure
 
-    measured_keys = {key for key, item in sheet.bench.items() if not isnan(item.value)}
-    headline_items = {key: sheet.bench[key] if key in measured_keys else item for key, item in sheet.model.items()}
+    measured_keys = {key for key, figure in sheet.bench.items() if not isnan(figure.value)}
+    headline_figures = {
+        key: sheet.bench[key] if key in measured_keys else figure for key, figure in sheet.model.items()
+    }
     return Outcome(
         title=f"protocol of {sheet.design}",
         condition=f"rated torque {sheet.rated:.4g} N m",
         headline={
-            f"{LINES[key].name}{', bench' if key in measured_keys else ''}": f"{item.value:.4g} {LINES[key].unit}"
-            for key, item in headline_items.items()
+            f"{LINES[key].name}{', bench' if key in measured_keys else ''}": f"{figure.value:.4g} {LINES[key].unit}"
+            for key, figure in headline_figures.items()
         },
         tables=[sheet.table()],
         frame=sheet.frame,

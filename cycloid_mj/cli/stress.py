@@ -335,10 +335,10 @@ def _write_springs(
         results.append(part_springs(Reducer(design.but(load={"torque": torque})), mounting))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={item.design.name: item.text for item in results[:MOST_FIGURES]},
-        tables=[item.table() for item in results],
-        files={name: dump(item.design).encode() for name, item in zip(names, results, strict=True)},
-        result={"designs": [item.as_json() for item in results]},
+        headline={springs.design.name: springs.text for springs in results[:MOST_FIGURES]},
+        tables=[springs.table() for springs in results],
+        files={name: dump(springs.design).encode() for name, springs in zip(names, results, strict=True)},
+        result={"designs": [springs.as_json() for springs in results]},
     )
     return deliver(outcome, destination, output_flags)
 

@@ -144,7 +144,7 @@ def sweep(
     if output_flags.force:
         remove_study(directory, SWEEP)
     try:
-        result = sweep_in_folder(
+        sweep_result = sweep_in_folder(
             task, points_to_evaluate, directory, engine, count_progress("sweep", output_flags.quiet)
         )
     except KeyboardInterrupt as stop:
@@ -152,11 +152,11 @@ def sweep(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
             "again to resume"
         ) from stop
-    quantities = select_quantities(result, tuple(name for name in show_.split(",") if name))
-    exit_code = deliver(_outcome(result, quantities, destination), destination, output_flags)
-    for error, count in list(result.errors.items())[:MOST_ERRORS]:
-        tell(f"{count} of {len(result.points)} points failed: {error}")
-    if (unlisted_errors := len(result.errors) - MOST_ERRORS) > 0:
+    quantities = select_quantities(sweep_result, tuple(name for name in show_.split(",") if name))
+    exit_code = deliver(_outcome(sweep_result, quantities, destination), destination, output_flags)
+    for error, count in list(sweep_result.errors.items())[:MOST_ERRORS]:
+        tell(f"{count} of {len(sweep_result.points)} points failed: {error}")
+    if (unlisted_errors := len(sweep_result.errors) - MOST_ERRORS) > 0:
         tell(f"{unlisted_errors} more types of error: see the column `error` of the files in {directory}")
     return exit_code
 

@@ -70,10 +70,10 @@ def wear(
     def report_progress(case: str, share: float) -> None:
         print_progress(round(100 * (CASES.index(case) + share) / len(CASES)), 100)
 
-    result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report_progress)
-    if result.interrupted:
+    wear_life = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report_progress)
+    if wear_life.interrupted:
         tell("stopped by Ctrl-C: the result contains only the completed steps")
-    return deliver(_outcome(result, destination), destination, output_flags)
+    return deliver(_outcome(wear_life, destination), destination, output_flags)
 
 
 def _outcome(result: "WearLife", destination: Destination) -> Outcome:

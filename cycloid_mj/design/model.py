@@ -777,8 +777,8 @@ class Material(Section):
         numbers = [key for key in cls.model_fields if key != "name"]
         name = value.get("name", "" if any(key in value for key in numbers) else DEFAULT)
         name = material_name(name) if isinstance(name, str) else name
-        entry = MATERIALS.get(name or DEFAULT) if isinstance(name, str) else None
-        return {**{key: getattr(entry, key) for key in numbers if entry}, **value, "name": name}
+        library_entry = MATERIALS.get(name or DEFAULT) if isinstance(name, str) else None
+        return {**{key: getattr(library_entry, key) for key in numbers if library_entry}, **value, "name": name}
 
     @field_validator("name")
     @classmethod

@@ -597,7 +597,7 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     if size_mm in _DOWELS:
         min_length, max_length = _DOWELS[size_mm]
         count = max(-(-length_mm // max_length), 1)
-        stock_lengths = [item for item in _LENGTHS if min_length <= item <= max_length]
+        stock_lengths = [stock_length for stock_length in _LENGTHS if min_length <= stock_length <= max_length]
         dowel_length = stock_lengths[min(bisect_left(stock_lengths, length_mm / count - 1e-6), len(stock_lengths) - 1)]
         return Dowel(f"ISO 8734 - {size_mm:g} x {dowel_length} - A", diameter, dowel_length * MM), int(count)
     if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
@@ -674,7 +674,7 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
     """Return the longest parallel key (DIN 6885) for a shaft diameter [m], at most `max_length` [m]; else None."""
     for min_diameter, max_diameter, width, height, shaft_depth, hub_depth, shortest, longest in _rows(_KEYS, 8):
         if min_diameter < round(shaft / MM, 6) <= max_diameter:
-            lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
+            lengths = [length for length in _KEY_LENGTHS if shortest <= length <= min(longest, max_length / MM + 1e-6)]
             if lengths:
                 sizes = _metres(width, height, lengths[-1], shaft_depth, hub_depth)
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)

@@ -62,9 +62,9 @@ def as_design_error(error: ValidationError, root: type[BaseModel], source: str) 
     sentences = [_describe_error(details, root) for details in error.errors()[: LISTING.errors]]
     if len(sentences) == 1:
         return DesignError(f"{source}: {sentences[0]}")
-    count, unlisted_count = error.error_count(), error.error_count() - len(sentences)
+    error_count, unlisted_count = error.error_count(), error.error_count() - len(sentences)
     return DesignError(
-        f"{source} has {count:,} wrong values. Correct them as follows:",
+        f"{source} has {error_count:,} wrong values. Correct them as follows:",
         [*sentences, f"and {unlisted_count:,} more"] if unlisted_count else sentences,
     )
 

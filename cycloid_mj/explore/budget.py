@@ -195,10 +195,10 @@ def _fit_control_variate(values: _FigureSets, deviations: Sequence[list[Array]])
         the variance that the model attributes to each tolerance, shape (tolerances, n).
     """
     deviations_a, deviations_b = deviations
-    tolerances, count = values.mixed.shape
-    fold_of_sample = np.arange(count) % SOBOL.folds
-    fit_a, fit_b, variances = np.zeros((3, tolerances, count))
-    constants = np.zeros(count)
+    tolerances, sample_count = values.mixed.shape
+    fold_of_sample = np.arange(sample_count) % SOBOL.folds
+    fit_a, fit_b, variances = np.zeros((3, tolerances, sample_count))
+    constants = np.zeros(sample_count)
     model_tolerances = _choose_model_tolerances(values, deviations_a)
     ends = np.cumsum([deviations_a[index].shape[1] for index in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
@@ -257,12 +257,12 @@ def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, 
     tuple of Array
         Ratio, lower and upper bound, shape (k,) each.
     """
-    count = variance.size
+    sample_count = variance.size
     ratio = partial_variance.mean(axis=1) / variance.mean()
     leave_one_out = (partial_variance.sum(axis=1, keepdims=True) - partial_variance) / (variance.sum() - variance)
     deviations = leave_one_out - leave_one_out.mean(axis=1, keepdims=True)
-    error = np.sqrt((count - 1.0) / count * np.sum(deviations**2, axis=1))
+    error = np.sqrt((sample_count - 1.0) / sample_count * np.sum(deviations**2, axis=1))
     relative_error = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
-    factor = np.exp(np.minimum(student_half_width(count - 1, 0.95) * relative_error, math.log(1e6)))
+    factor = np.exp(np.minimum(student_half_width(sample_count - 1, 0.95) * relative_error, math.log(1e6)))
     clipped_ratio = np.maximum(ratio, 0.0)
     return ratio, clipped_ratio / factor, np.maximum(clipped_ratio * factor, ratio + error)

@@ -131,10 +131,10 @@ def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) ->
         name of the pair: its fraction [1] of the contact forces at the tightest crank angle, as a mean over the
         samples.
     """
-    count = len(next(iter(deviations.values()))) if deviations else 1
-    samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)
+    sample_count = len(next(iter(deviations.values()))) if deviations else 1
+    samples = apply_deviations(reducer, identical_samples(reducer, sample_count), deviations)
     interferences, shares = [], dict[str, float]()
-    for row in range(count):
+    for row in range(sample_count):
         sample_design = unchecked_design_of_sample(reducer, samples, row)
         crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
         gap, pairs = min(
@@ -143,5 +143,5 @@ def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) ->
         )
         interferences.append(-gap)
         for pair, share in pairs.items():
-            shares[pair] = shares.get(pair, 0.0) + share / count
+            shares[pair] = shares.get(pair, 0.0) + share / sample_count
     return interferences, shares

@@ -162,9 +162,9 @@ class Tolerances(Tabular):
         The yield is the share of samples that do not jam and satisfy all limits. The formula is Wilson's (J. Am. Stat.
         Assoc. 22, 1927).
         """
-        count, good_share = self.samples, float(self.good.mean())
+        sample_count, good_share = self.samples, float(self.good.mean())
         # weight of the share 1/2 in the centre, relative to that of the observed share
-        weight_of_half = NormalDist().inv_cdf(0.975) ** 2 / count
+        weight_of_half = NormalDist().inv_cdf(0.975) ** 2 / sample_count
         centre = (good_share + 0.5 * weight_of_half) / (1.0 + weight_of_half)
         half_width = math.sqrt(weight_of_half * good_share * (1.0 - good_share) + 0.25 * weight_of_half**2) / (
             1.0 + weight_of_half

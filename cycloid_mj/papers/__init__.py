@@ -90,7 +90,7 @@ def papers() -> tuple[Paper, ...]:
     A paper that cannot be loaded is left out with a warning.
     """
     papers_by_name: dict[str, Paper] = {}
-    points = {point.name: point for point in entry_points(group=GROUP)}
+    points = {entry_point.name: entry_point for entry_point in entry_points(group=GROUP)}
     for name in sorted(points):
         paper = _call_paper(name, "ignored", partial(_load_paper, points[name], papers_by_name))
         papers_by_name |= {paper.key: paper} if paper else {}

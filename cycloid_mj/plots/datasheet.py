@@ -147,8 +147,8 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
     `figure` is the page. `bottom` is the vertical position of the row, as a fraction of the page height.
     """
     by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
-    gap, count = 0.012, len(KEYS)
-    width = (LAYOUT.right - LAYOUT.left - (count - 1) * gap) / count
+    gap, tile_count = 0.012, len(KEYS)
+    width = (LAYOUT.right - LAYOUT.left - (tile_count - 1) * gap) / tile_count
     for column, key in enumerate(KEYS):
         x, quantity = LAYOUT.left + column * (width + gap), by_key[key]
         figure.add_artist(Rectangle((x, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))

@@ -62,13 +62,13 @@ def velocity_figure(motion: Series) -> Figure:
     return figure
 
 
-def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
+def _draw_path(axes: Axes, point_path: Compared, q: Array) -> None:
     """Draw the simulated path of point q and its closed form, in mm.
 
-    `position` has both paths in m. `q` is the point in the frame of the disc [m], shape (2,).
+    `point_path` has both paths in m. `q` is the point in the frame of the disc [m], shape (2,).
     """
-    axes.plot(*(1e3 * position.theory.T), **style.THEORY)
-    axes.plot(*(1e3 * position.simulated.T), **style.SIMULATED)
+    axes.plot(*(1e3 * point_path.theory.T), **style.THEORY)
+    axes.plot(*(1e3 * point_path.simulated.T), **style.SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     axes.set_xlabel("x from the initial disc centre [mm]")

@@ -19,7 +19,7 @@ def wear_figure(result: WearLife) -> Figure:
     `result` is that of the wear computation. The wear depth is drawn along the section of the surface, after the last
     hour of the typical case.
     """
-    unevenly_worn = [item for item in result.surfaces if item.surface.contact_coordinate is not None]
+    unevenly_worn = [wear for wear in result.surfaces if wear.surface.contact_coordinate is not None]
     figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
     panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]
     panels[0].set_title(f"{result.design}: lost motion, {result.condition}", fontsize="small")
@@ -27,9 +27,9 @@ def wear_figure(result: WearLife) -> Figure:
     panels[0].set(xlabel="time [h]", ylabel="lost motion [arcmin]", xlim=(0.0, result.hours), ylim=(0.0, None))
     panels[0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
     last_hour = result.courses["typical"].hours[-1]
-    for axes, item in zip(panels[1:], unevenly_worn, strict=True):
-        axes.plot(1e3 * item.surface.coordinates, 1e6 * item.depth, color=BLUE, linewidth=0.9)
-        axes.set_title(f"{item.surface.name}: depth of wear after {last_hour:.4g} h, typical")
+    for axes, wear in zip(panels[1:], unevenly_worn, strict=True):
+        axes.plot(1e3 * wear.surface.coordinates, 1e6 * wear.depth, color=BLUE, linewidth=0.9)
+        axes.set_title(f"{wear.surface.name}: depth of wear after {last_hour:.4g} h, typical")
         axes.set(xlabel="along the section [mm]", ylabel="depth [um]", ylim=(0.0, None))
     return figure
 

@@ -55,7 +55,7 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
             {"name": figure.name, "panels": [_panel_json(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
             for figure in figures(reviewed)
         ],
-        "runs": [_run_data(item, len(reviewed)) for item in reviewed],
+        "runs": [_run_data(reviewed_run, len(reviewed)) for reviewed_run in reviewed],
     }
 
 

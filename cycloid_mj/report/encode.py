@@ -34,13 +34,13 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
         Otherwise each column has its smallest and its largest value in each of m/2 spans of time, in the order in which
         they occur.
     """
-    count = time.size
-    if count <= max_samples:
+    sample_count = time.size
+    if sample_count <= max_samples:
         return time, values
-    span_length = -(-count // max(1, max_samples // 2))
-    span_count = -(-count // span_length)
+    span_length = -(-sample_count // max(1, max_samples // 2))
+    span_count = -(-sample_count // span_length)
     # the last span is padded with its last sample, which changes no extreme
-    rows = np.minimum(np.arange(span_count * span_length), count - 1).reshape(span_count, span_length)
+    rows = np.minimum(np.arange(span_count * span_length), sample_count - 1).reshape(span_count, span_length)
     extreme_values = np.empty((2 * span_count, values.shape[1]))
     for column, samples in enumerate(values.T):  # column by column: a copy of all would be as large as the run
         block = samples[rows]

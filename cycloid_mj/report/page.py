@@ -37,17 +37,19 @@ def page(reviewed: Sequence[Reviewed]) -> str:
     """
     data = page_data(reviewed)
     mechanisms = [run["mechanism"] for run in data["runs"]]
-    spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
+    spectra = {reviewed_run.name: run["spectrum"] for reviewed_run, run in zip(reviewed, data["runs"], strict=True)}
     return (
         environment()
         .get_template("page.html")
         .render(
-            title="cycloid_mj: " + " and ".join(item.name for item in reviewed),
+            title="cycloid_mj: " + " and ".join(reviewed_run.name for reviewed_run in reviewed),
             runs=reviewed,
             several=len(reviewed) > 1,
-            settled=all(item.motion.phase == "hold" for item in reviewed),
+            settled=all(reviewed_run.motion.phase == "hold" for reviewed_run in reviewed),
             conditions=_conditions(reviewed),
-            warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
+            warnings=[
+                (reviewed_run.name, line) for reviewed_run in reviewed for line in reviewed_run.findings.warnings
+            ],
             unmet=list(_failed_checks(reviewed)),
             numbers=_main_values,
             animated=any(mechanisms),

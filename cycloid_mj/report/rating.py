@@ -16,7 +16,7 @@ STYLES = {
 
 def rating_page(rating: Rating) -> str:
     """Return a rating as one HTML page with its parts and kinds of failure, the weakest first, and its assumptions."""
-    states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
+    states = [STYLES[rated_item.judgement(rating.life)] for rated_item in rating.items.values()]
     table = rating.table()
     return (
         environment()

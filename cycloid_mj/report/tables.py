@@ -52,11 +52,11 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     head row has their names and conditions.
     """
     rows_by_run = [
-        {group.name: {row.quantity: row for row in group.rows} for group in groups(item.findings)} for item in reviewed
+        {group.name: {row.quantity: row for row in group.rows} for group in groups(run.findings)} for run in reviewed
     ]
     header_rows = [("quantity", "unit", *("simulated", "closed form", "error") * len(rows_by_run))]
     if len(rows_by_run) > 1:
-        titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
+        titles = [f"{run.name}: {run.findings.condition_words}" for run in reviewed]
         header_rows.insert(0, ("", "", *(cell for title in titles for cell in (title, "", ""))))
     rows: list[Sequence[str]] = []
     for group in (name for name in GROUPS if any(name in run_groups for run_groups in rows_by_run)):
@@ -77,12 +77,12 @@ def losses(reviewed: Sequence[Reviewed]) -> TextTable:
     table has no rows. `reviewed` are the analysed runs.
     """
     rows = []
-    for item in reviewed:
-        input_power = item.findings.power.input_w
-        for loss in item.findings.losses:
-            share = f"{100 * (loss.friction_w + loss.normal_w) / input_power:.3g}" if input_power > 0 else ""
+    for run in reviewed:
+        input_power = run.findings.power.input_w
+        for loss in run.findings.losses:
+            share_text = f"{100 * (loss.friction_w + loss.normal_w) / input_power:.3g}" if input_power > 0 else ""
             pair = loss.pair.replace("_", "-")
-            rows.append((pair, item.name, f"{loss.friction_w:.4g}", f"{loss.normal_w:.4g}", share))
+            rows.append((pair, run.name, f"{loss.friction_w:.4g}", f"{loss.normal_w:.4g}", share_text))
     return TextTable([("mating pair", "run", "friction [W]", "damping [W]", "share of the input [%]")], rows)
 
 

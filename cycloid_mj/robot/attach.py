@@ -57,9 +57,9 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     hinge.armature, hinge.frictionloss = reduced.output_inertia, 0.0
     hinge.damping = constant_polynomial(0.0)
     _add_crank_body(hinge, model, reduced)
-    tendons = [_add_spring_tendon(spec, reduced, joint, number) for number in range(len(reduced.springs))]
-    for number in range(len(reduced.slips)):
-        _add_slip_element(spec, hinge, model, reduced, number)
+    tendons = [_add_spring_tendon(spec, reduced, joint, index) for index in range(len(reduced.springs))]
+    for index in range(len(reduced.slips)):
+        _add_slip_element(spec, hinge, model, reduced, index)
     _add_tuple(spec, reduced, joint, tendons)
     _move_actuators_to_crank(spec, reduced, joint)
     if keyframes:

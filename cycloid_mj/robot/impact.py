@@ -172,7 +172,7 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
 
     def spring_torque(deviation: float) -> float:
         i = min(max(bisect(deviations, deviation), 1), last_index)
-        share = (deviation - deviations[i - 1]) / (deviations[i] - deviations[i - 1])
-        return torques[i - 1] + share * (torques[i] - torques[i - 1])
+        fraction = (deviation - deviations[i - 1]) / (deviations[i] - deviations[i - 1])
+        return torques[i - 1] + fraction * (torques[i] - torques[i - 1])
 
     return spring_torque

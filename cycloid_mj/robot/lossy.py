@@ -138,14 +138,14 @@ def lossy_joint_xml(reduced: ReducedJoint) -> str:
     tilt = reduced.way * shoe.leading * SHOE.lever / shoe.friction
     lever = SHOE.lever / math.hypot(1.0, tilt)
     plates, pairs = [], []
-    for number, side in enumerate((-1, 1)):
+    for index, side in enumerate((-1, 1)):
         plates.append(
-            f'      <geom name="{name}_plate_{number}" type="box" '
+            f'      <geom name="{name}_plate_{index}" type="box" '
             f'pos="0 0 {SHOE.height + side * (SHOE.radius + SHOE.half):g}" '
             f'size="{SHOE.radius} {SHOE.radius} {SHOE.half}" contype="0" conaffinity="0" mass="1e-9"/>\n'
         )
         pairs.append(
-            f'    <pair geom1="{name}_plate_{number}" geom2="{name}" condim="4" '
+            f'    <pair geom1="{name}_plate_{index}" geom2="{name}" condim="4" '
             f'friction="0 0 {xml_number(shoe.friction)} 0 0" '
             f'solref="{-SHOE.stiffness:g} {-2.0 * SHOE.stiffness**0.5:g}" '
             f'solreffriction="-1 {-shoe.creep:g}" solimp="{SHOE.impedance} {SHOE.impedance} 0.001 0.5 2"/>\n'
@@ -160,11 +160,11 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
 """
     xml_head, xml_tail = text.split("    </body>\n  </worldbody>\n")
     xml_head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
-    for number, share in enumerate(shoe.shares.tolist()):
-        tendon, remaining_text = xml_tail.split(f'<fixed name="{reducer_name(OUTPUT, number)}"')
+    for index, share in enumerate(shoe.shares.tolist()):
+        tendon, remaining_text = xml_tail.split(f'<fixed name="{reducer_name(OUTPUT, index)}"')
         lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
         xml_tail = (
-            f'{tendon}<fixed name="{reducer_name(OUTPUT, number)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
+            f'{tendon}<fixed name="{reducer_name(OUTPUT, index)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
         )
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
     return (xml_head + xml_tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)

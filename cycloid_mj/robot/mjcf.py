@@ -133,8 +133,8 @@ def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
     """
     rotor = rotor_name(joint)
     tendons, elements = [], []
-    for number, spring in enumerate(reduced.springs):
-        name, damping = reducer_name(joint, number), reduced.damping if number == 0 else 0.0
+    for index, spring in enumerate(reduced.springs):
+        name, damping = reducer_name(joint, index), reduced.damping if index == 0 else 0.0
         lower_end, upper_end = reduced.stops[0] - spring.start, reduced.stops[1] + spring.start
         tendons.append(
             f'    <fixed name="{name}" springlength="{xml_number(lower_end)} {xml_number(upper_end)}" '
@@ -144,8 +144,8 @@ def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
         )
         elements.append(f'<element objtype="tendon" objname="{name}"/>')
     slip_bodies = []
-    for number, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
-        name = slip_name(joint, number)
+    for index, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
+        name = slip_name(joint, index)
         slip_bodies.append(
             f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{MJCF.mass}" '
             f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '

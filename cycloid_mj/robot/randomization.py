@@ -127,7 +127,7 @@ def _mjx_randomization(reduced: ReducedJoint, population: Population) -> str:
     `population` has the joint parameters of a sample of drives.
     """
     lines = "".join(f'    "{name}": {_format_pair(limits)},\n' for name, limits in factor_ranges(population).items())
-    tendons = [f"{OUTPUT}_reducer" + (f"_{number + 1}" if number else "") for number in range(len(reduced.springs))]
+    tendons = [f"{OUTPUT}_reducer" + (f"_{index + 1}" if index else "") for index in range(len(reduced.springs))]
     return f'''"""{_describe_ranges(population)}
 
     randomize = randomizer(mj_model)  # mujoco.MjModel with joint.xml

@@ -397,15 +397,15 @@ def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
         return float(angles[-1]), np.nan
     is_above = angles > midpoint
     upward_crossings = np.flatnonzero(~is_above[:-1] & is_above[1:])
-    count = len(upward_crossings)
+    crossing_count = len(upward_crossings)
     if (
-        count < STUDY.min_crossings
-        or (upward_crossings[-1] - upward_crossings[0]) / (count - 1) < STUDY.min_steps_per_period
+        crossing_count < STUDY.min_crossings
+        or (upward_crossings[-1] - upward_crossings[0]) / (crossing_count - 1) < STUDY.min_steps_per_period
     ):
         return float(angles[-len(angles) // 2 :].mean()), np.nan
     crossings = upward_crossings + (midpoint - angles[upward_crossings]) / (
         angles[upward_crossings + 1] - angles[upward_crossings]
     )
     periods = slice(int(upward_crossings[0]), int(upward_crossings[-1]))
-    period = timestep * float(crossings[-1] - crossings[0]) / (count - 1)
+    period = timestep * float(crossings[-1] - crossings[0]) / (crossing_count - 1)
     return float(angles[periods].mean()), 2.0 * np.pi / period

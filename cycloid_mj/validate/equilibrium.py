@@ -283,17 +283,19 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
     If `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
     """
     nearest_points, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
-    count, normals = nearest_points.distance.size, nearest_points.normals
-    gradient = np.zeros((count, z.size))
+    contact_count, normals = nearest_points.distance.size, nearest_points.normals
+    gradient = np.zeros((contact_count, z.size))
     gradient[:, :2] = -normals
     gradient[:, 2] = (
         -np.sum(normals * _quarter_turn(nearest_points.places - pose.centre), axis=1) / design.output.pin_circle_radius
     )
     if locked.has_moving_pins:
-        gradient[:, 4:] = (np.eye(count)[:, :, np.newaxis] * normals[:, np.newaxis, :]).reshape(count, -1)
+        gradient[:, 4:] = (np.eye(contact_count)[:, :, np.newaxis] * normals[:, np.newaxis, :]).reshape(
+            contact_count, -1
+        )
     clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[nearest_points.owner]
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
-    stiffness = np.full(count, locked.stiffness[kind])
+    stiffness = np.full(contact_count, locked.stiffness[kind])
     if not uniform:
         stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], nearest_points, pose, locked.flanks)
     return PairSprings(nearest_points.distance + clearance, stiffness, gradient, -normals)

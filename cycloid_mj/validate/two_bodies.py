@@ -125,9 +125,9 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
     period = 2.0 * math.pi * math.sqrt((TWO_BODIES.mass + contact_parameters.added_mass) / contact_parameters.stiffness)
     speeds = np.empty(math.ceil(20 * period / timestep))
     with install():
-        for step in range(speeds.size):
+        for step_index in range(speeds.size):
             mujoco.mj_step(model, data)
-            speeds[step] = data.qvel[0]
+            speeds[step_index] = data.qvel[0]
     zero_crossings = np.flatnonzero((speeds[:-1] < 0.0) & (speeds[1:] >= 0.0))
     crossings = zero_crossings + speeds[zero_crossings] / (speeds[zero_crossings] - speeds[zero_crossings + 1])
     return float(2.0 * math.pi / (np.mean(np.diff(crossings)) * timestep))
