@@ -334,8 +334,8 @@ def _list_controls(design: Design) -> Iterator[Control]:
 def _create_slider(design: Design, group: str, name: str, label: str) -> Control:
     """Return a slider for a number of the design, with a range around its value in round steps, in units of the file.
 
-    `name` is ``table.name`` in `LABELS`, `group` the heading and `label` the label of the slider. The range follows
-    from `COUNTS` for numbers of parts, else from `SPAN`.
+    `name` names the number, such as ``ring.pin_radius`` (keys of `LABELS`), `group` the heading and `label` the label
+    of the slider. The range follows from `COUNTS` for numbers of parts, else from `SPAN`.
     """
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key

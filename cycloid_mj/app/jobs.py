@@ -140,7 +140,7 @@ class Jobs:
         return job
 
     def describe(self, job: Job) -> dict[str, Any]:
-        """Convert a job to JSON values; the progress of a queued job names the job that runs before it."""
+        """Convert a job to JSON values (`Job.as_json`); a queued job's progress names the job that runs before it."""
         running_job = next((queue.running for queue in self._queues.values() if job in queue.waiting), None)
         if job.state != "queued" or running_job is None:
             return job.as_json()
@@ -182,7 +182,8 @@ class Jobs:
     def _run(self, queue: Queue, job: Job, work: Work, args: tuple[Any, ...]) -> None:
         """Wait for the earlier jobs of the queue, then run a job unless it was stopped; runs in a thread.
 
-        `work` is the function of the job, and `args` are its arguments.
+        `work` is the function of the job, and `args` are its arguments. The job gets the result, or the text of an
+        error.
         """
         queue.waiting.append(job)
         with queue.turn:

@@ -109,7 +109,8 @@ def _largest_stress(reducer: Reducer, kind: str, part_name: str) -> tuple[str, f
 def _collect_rated_stress(layout: Layout, rating: Rating) -> dict[str, dict[str, Any]]:
     """Return the contact and fatigue stresses of a rating as table rows for the page, by kind of part of a layout.
 
-    A kind has its ``name``, the rows ``rated`` with value, limit and bar of each stress, and an empty list ``bulk``.
+    A kind has its ``name``, ``rated`` with a row for each stress (`rated_item`, and length and colour of its bar), and
+    an empty list ``bulk``.
     """
     kinds = PARTS[layout]
     parts: dict[str, dict[str, Any]] = {

@@ -236,8 +236,9 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
     """Convert a drive that the search returned to JSON values, with verdicts on the requirement.
 
     ``title`` and ``why`` describe it in words, ``design`` are its values as the page stores them, ``figures`` its
-    quantities by key, ``life`` its life as text, ``verdicts`` those by field of the form, and ``verdict`` the gravest.
-    Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
+    quantities by key, ``life`` its life as text, ``verdicts`` the verdict on each field of the form, and ``verdict``
+    the gravest of them. Its size and mass are those with covers for the motor; if these do not fit, the requirements on
+    size are not met.
     """
     form, reason, kind = fill_form(requirement), "", FORM_KINDS[requirement.LAYOUT]
     name = f"{kind.name or requirement.process}-{requirement.ratio}"

@@ -112,7 +112,7 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(report, media_type="text/html") if report else _file_missing()
 
     async def send_file(request: Request) -> Response:
-        """Send a file that a background job has created to the browser as a download.
+        """Send a file that a background job has created to the browser as a download; status 404 if there is none.
 
         `request` names the job and the file.
         """
@@ -124,7 +124,7 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
     async def answer_request(request: Request) -> Response:
-        """Answer a request in a thread; refuse it if it is too long or not JSON, or if too many are in progress."""
+        """Answer a request in a thread; refuse it with an error status if it is too long, not JSON, or one too many."""
         try:
             body = await _read_body(request)
         except ClientDisconnect:
@@ -285,7 +285,8 @@ def page_address(listener: socket.socket, token: str) -> str:
 def _answer_request(page: Page, name: str, body: bytes) -> Response:
     """Answer the request `name`, whose JSON text is `body`, with a JSON response; runs in a thread.
 
-    At the end a slot of `page.slots`, which the caller has acquired, is released.
+    Errors are answered, too: a refused request with the text ``refused``. At the end a slot of `page.slots`, which the
+    caller has acquired, is released.
     """
     try:
         content = json.loads(body)

@@ -22,7 +22,7 @@ TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
 
 
 def parse_design(values: Any) -> Design:
-    """Return the design that the page sends: a preset in `BASES`, changed by `values` (key of the file -> value).
+    """Return the design that the page sends: the preset of its layout, changed by `values` (key of the file -> value).
 
     Raises
     ------

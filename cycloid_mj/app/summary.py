@@ -77,7 +77,7 @@ POSES = 61
 
 
 def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return ratio, diameter and mass for the header of the page, as JSON values.
+    """Return ``ratio``, ``diameter_mm`` and ``mass_kg`` (or None) for the header of the page, as JSON values.
 
     The dict also has ``verdicts``, which compares ratio and diameter with `required`, the values in the start form of
     the app by field name. Covers increase the diameter. Therefore a diameter without covers that is within its limit

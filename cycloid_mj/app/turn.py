@@ -205,10 +205,11 @@ TURNS: Mapping[Layout, TurnOfLayout] = {
 
 
 def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
-    """Convert forces [N], positions [m] and unit directions of contacts to rounded lists, positions in mm.
+    """Convert forces [N], positions [m] and unit directions of contacts to rounded lists by name, positions in mm.
 
-    `force` has shape (angles, discs * contacts), `position` and `direction` have (angles, discs * contacts, 2); the
-    lists have shape (angles, discs, contacts) and (angles, discs, contacts, 2).
+    The keys are ``force``, ``position`` and ``direction``. `force` has shape (angles, discs * contacts), `position` and
+    `direction` have (angles, discs * contacts, 2); the lists have shape (angles, discs, contacts) and (angles, discs,
+    contacts, 2).
     """
     shape = (len(force), discs, -1)
     return {

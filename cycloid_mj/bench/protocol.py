@@ -384,9 +384,10 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 def _loop_quantities(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
     """Compute the test quantities that follow from loops: lost motion, hysteresis loss and stiffness, by key.
 
-    The keys end in the units of the values. Each value is the mean over the loops; its interval extends from the lowest
-    to the highest end of their intervals. Loops with too small a torque are left out: it must reach the fraction
-    `SETTINGS.min_full_torque` of the rated torque [N m], or of the torque of the largest loop if that is smaller.
+    The keys end in the units of the values, such as ``lost_motion_arcmin``. Each value is the mean over the loops; its
+    interval extends from the lowest to the highest end of their intervals. Loops with too small a torque are left out:
+    it must reach the fraction `SETTINGS.min_full_torque` of the rated torque [N m], or of the torque of the largest
+    loop if that is smaller.
     """
     full_loops = [
         loop
@@ -446,11 +447,10 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 
 
 def _model_quantities(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute the transmission error and the no-load torques of the model for a test protocol, by key.
+    """Compute ``te_arcsec`` and the no-load torques of a model, such as ``starting_torque_nm``, for a test protocol.
 
-    The keys end in the units of the values, which have no intervals. The transmission error is that under
-    `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of quantities does not have for the
-    reducer are left out.
+    The values have no intervals. The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N
+    m]. Torques that the catalogue of quantities does not have for the reducer are left out.
     """
     transmission_error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
     torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}

@@ -20,9 +20,9 @@ class CompletingApp(App):
 
 
 def complete_files(script: str) -> str:
-    """Return a shell completion script that suggests file names where a command has no other candidates.
+    """Return a shell completion `script`, changed to suggest file names where a command has no other candidates.
 
-    fish and PowerShell do so by themselves; bash and zsh need an explicit instruction.
+    Scripts for bash and zsh are changed; fish and PowerShell suggest file names by themselves.
     """
     if script.startswith("#compdef"):
         return ZSH_WITHOUT_ACTION.sub(r"\1:_files\2", script)

@@ -204,9 +204,10 @@ class DesignValue:
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
     def flag(self, text: str, ending: str = "", name: str | None = None) -> Parameter:
-        """Declare the flag: `text` is its meaning, `ending` follows its limits (default: the value of the design).
+        """Return the declaration of this value's command-line flag, whose help states meaning, unit and limits.
 
-        `name` is by default that in Python.
+        `text` is the meaning; `ending` follows the limits (default: the value of the design). `name` is the flag's
+        name, by default that of the Python argument.
         """
         default_text = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
         help_text = f"{text} [{self.symbol}], {self.range}{ending or default_text}"

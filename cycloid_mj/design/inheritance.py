@@ -81,8 +81,8 @@ class Inheritance:
 def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
     """Return the values that a design takes from its preset because neither its file nor `changes` set them.
 
-    Only values that describe the drive (tables `DESCRIBING` and the name of the material) are included; values of 0 are
-    omitted. The result is None if `named` is a preset or a design.
+    Only values that describe the drive (tables `DESCRIBING`, such as ring and gear, and the name of the material) are
+    included; values of 0 are omitted. The result is None if `named` is a preset or a design.
 
     Parameters
     ----------
@@ -115,7 +115,8 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 def _describing_keys(design: Design) -> list[str]:
     """List the file keys (``table.key``) that describe the drive and have an effect with the layout of the design.
 
-    These are all keys of the tables `DESCRIBING` except those in `RAMP`, which describe a run, and ``material.name``.
+    They are ``material.name`` and the keys of the tables `DESCRIBING`, such as ring and gear, without those of a run
+    (`RAMP`).
     """
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [

@@ -994,9 +994,10 @@ def _rv_table(what: str) -> Any:
 
 
 def _value_rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
-    """Yield a row (key, value, unit, meaning) for each value of a section of the design and its tables, in file units.
+    """Yield ``key``, ``value``, ``unit`` and ``meaning`` of each value of a section and its tables as a dict of texts.
 
-    `prefix` is the name of the section followed by a dot; all keys begin with it.
+    Values are in the units of the design file. `prefix` is the name of the section followed by a dot; all keys begin
+    with it.
     """
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)

@@ -461,7 +461,10 @@ class StockBearing:
 
     @property
     def shoulders(self) -> tuple[float, float]:
-        """Radii of the shoulders that touch only the inner and only the outer ring [m], of a bearing of the output."""
+        """Largest radius of a shoulder beside the inner ring, and smallest of one beside the outer ring [m].
+
+        They are for a bearing of the output; within them, a shoulder touches one ring only.
+        """
         inner, outer = 0.5 * self.bore, 0.5 * self.outside
         shares = SHOULDERS.ball, SHOULDERS.ball
         if self.has_tapered_rollers:
@@ -722,7 +725,7 @@ def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> 
     """Round n lengths [m], shape (n,), to those of dowels in stock with a diameter [m], or of equal dowels in line.
 
     At most `max_count` dowels are in line. A length is returned unchanged if the nearest length in stock differs by
-    more than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.
+    more than the factor `OFF` (1.25), or if there are no dowels of the diameter; the dowels are then to be cut.
     """
     import numpy as np
 

@@ -72,13 +72,7 @@ def parse_limit(text: str, reducer: Reducer | None = None) -> FigureLimit:
 
 
 def require_consistent(limits: Iterable[FigureLimit]) -> None:
-    """Raise UsageError if the limits on a quantity contradict each other.
-
-    Raises
-    ------
-    UsageError
-        Two limits contradict each other.
-    """
+    """Raise UsageError if the limits on a quantity contradict each other."""
     lower_limits: dict[str, FigureLimit] = {}
     upper_limits: dict[str, FigureLimit] = {}
     for limit in limits:

@@ -92,7 +92,7 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 def draw_rv_drive(reducer: RvReducer, seed: int, number: int) -> tuple[Design, dict[str, float]]:
     """Draw one random drive within the tolerances: its design with the errors of its parts, and these errors [um].
 
-    The errors are by name. Equal seeds and numbers draw equal drives.
+    The errors have keys such as ``drawn_bore_x_1_um``. Equal seeds and numbers draw equal drives.
 
     Raises
     ------
@@ -124,8 +124,8 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
     Returns
     -------
     dict
-        Keys of quantities -> forces, shape (samples,) each: the largest force of a pin, the largest 10/3-power mean of
-        a crank bearing, and the largest force of a planet.
+        Forces, shape (samples,) each: the largest force of a pin (``tooth_force_n``), the largest 10/3-power mean of a
+        crank bearing (``crank_bearing_mean_force_n``), and the largest force of a planet (``planet_mesh_force_n``).
 
     Raises
     ------

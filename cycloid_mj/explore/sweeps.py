@@ -288,9 +288,10 @@ def write_tables(sweep: Sweep, folder: Path) -> None:
 
 
 def _describe_sweep(task: Task, points: Points) -> dict[str, Any]:
-    """Return JSON values that identify the sweep of a folder: design, keys, measures and options of `task`; versions.
+    """Return JSON values that identify a sweep: ``design``, ``keys``, ``measures`` and ``options`` of its `task`, etc.
 
-    ``points`` has the number and a digest of the points, ``follows`` the formulas of linked keys.
+    ``points`` has the number and a digest of the points, ``follows`` the formulas of linked keys, and ``versions`` the
+    versions of the packages.
     """
     return {
         "design": dump(task.reducer.design),

@@ -54,10 +54,10 @@ ANGLES_PER_TOOTH = 8
 
 
 def _compute_rv_statics(reducer: Reducer) -> dict[str, float]:
-    """Compute transmission error [arcsec] and largest forces [N] of an RV reducer by statics with friction, by key.
+    """Compute ``te_loaded_forward_arcsec`` and the largest forces [N] of an RV reducer by statics with friction.
 
-    The crank angles are those of the turn of the cranks that a run covers. Over a turn of the carrier, errors of bores
-    and carrier cause larger forces.
+    The keys of the forces are those of `_RV_FORCES`. The crank angles are those of the turn of the cranks that a run
+    covers. Over a turn of the carrier, errors of bores and carrier cause larger forces.
     """
     assert isinstance(reducer, RvReducer)
     count = ANGLES_PER_TOOTH * reducer.design.ring.teeth
@@ -117,7 +117,7 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 
 
 def _simulate_quantities(reducer: Reducer, solver: Solver) -> dict[str, float]:
-    """Simulate a crank turn at nominal torque and the design's speed; return quantities by key.
+    """Simulate a crank turn at nominal torque and the design's speed; return quantities by the keys in `COMPARED`.
 
     These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N]. `solver`
     is "planar" or "mujoco".

@@ -348,7 +348,7 @@ def wang_design(case: Wang, ideal: bool) -> Design:
 
 
 def coulomb_friction_power(run: Run, reducer: Reducer) -> float:
-    """Compute the friction power of the mesh [W] by Coulomb's law from the logged normal forces."""
+    """Compute the mean friction power of the mesh over a run [W] by Coulomb's law from the logged normal forces."""
     design = reducer.design
     gear = tooth_profile(design)
     phase = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
