@@ -87,10 +87,11 @@ class WornSurface:
         return surface.count * surface.section * surface.length * float(depth.mean())
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the wear of a surface to JSON values: material, wear coefficient, run-in depth and wear depth.
+        """Convert the wear of a surface to JSON values: material, wear coefficient, run-in depth and depth of wear.
 
-        The coefficient is in mm3/(N m) and depths are in um; the wear depth is listed by position along the surface
-        [mm].
+        Keys are ``key``, ``name``, ``material``, ``coefficient_mm3_nm`` and ``run_in_um`` with their intervals,
+        ``largest_depth_um``, ``mean_depth_um``, and the lists ``place_mm`` (positions along the surface) and
+        ``depth_um``.
         """
         return {
             "key": self.surface.key,
@@ -167,14 +168,14 @@ class WearLife(Presented):
 
     @property
     def interval_text(self) -> str:
-        """The 5 to 95 % interval of the accuracy life, in words."""
-        low, high = (self.life_text(case) for case in ("high", "low"))
-        if low == high:
-            return low
+        """Return the 5 to 95 % interval of the accuracy life [h] in words."""
+        shortest_life, longest_life = (self.life_text(case) for case in ("high", "low"))
+        if shortest_life == longest_life:
+            return shortest_life
         note = ", extrapolated"
-        if low.endswith(note) and high.endswith(note):
-            return f"{low.removesuffix(note)} to {high.removesuffix(note)}, both extrapolated"
-        return f"{low} to {high}"
+        if shortest_life.endswith(note) and longest_life.endswith(note):
+            return f"{shortest_life.removesuffix(note)} to {longest_life.removesuffix(note)}, both extrapolated"
+        return f"{shortest_life} to {longest_life}"
 
     @property
     def run_in_share(self) -> float:
@@ -236,7 +237,9 @@ class WearLife(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert lives [h], lost motion over time [arcmin], recorded rows and worn surfaces to JSON values.
 
-        ``records`` has accuracy, forces and wear depths at several times. An unlimited life is None.
+        ``accuracy_life_h`` and ``accuracy_life_interval_h`` are the lives; an unlimited life is None. ``courses`` has
+        hours and lost motion of each case, ``records`` accuracy, forces and wear depths at several times, and
+        ``surfaces`` the worn surfaces.
         """
         names = [key for key, _ in self.columns]
         return dict(
@@ -390,8 +393,8 @@ class _Log:
         """Store accuracy, contact forces and wear depths at the typical wear coefficients, if a record is due.
 
         `state` is the state of the wearing drive. A record is stored if `is_due` is true, for the first state, and when
-        the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`. The
-        state is kept as the last state in any case.
+        the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`. In
+        any case it becomes the last state, from which `result` takes the worn surfaces.
         """
         self._last = state
         growth_step = self._growth / self._drive.settings.records
@@ -403,10 +406,10 @@ class _Log:
         ):
             return
         torque = max(abs(point.torque) for point in self._drive.points)
-        figures = quick_sheet(state.reducer, torque).quantities
+        quantities = quick_sheet(state.reducer, torque).quantities
         forces = {
             key: (f"{key}_n", f"{key.removesuffix('_peak_force').replace('_', ' ')} [N]")
-            for key in figures
+            for key in quantities
             if key.endswith("_peak_force")
         }
         depths = [1e6 * float(depth.max()) for depth in state.depths.values()]
@@ -416,7 +419,7 @@ class _Log:
         columns = {**SHEET_COLUMNS, **forces}
         first_columns = (("hours", "time [h]"), ("lost_motion_arcmin", "lost motion [arcmin]"))
         self._columns = (*first_columns, *columns.values(), *depth_columns)
-        values = (figures[key].value for key in columns)
+        values = (quantities[key].value for key in columns)
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 
     def result(self, duty: Duty) -> WearLife:

@@ -110,7 +110,7 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
 
 
 def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force [N] of the tolerance samples (random drives) with the given `numbers`.
+    """Compute the largest tooth force [N] of each tolerance sample (random drive) in `numbers`, shape (samples,).
 
     The force is NaN for a sample without static equilibrium. Return None if the design has no tolerances.
     """
@@ -151,22 +151,22 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
         return _select_rv_samples(reducer)
     zones = tolerance_zones(reducer)
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    figures = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
-    figures |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
-    jams = find_jams(figures)
+    values_by_sample = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
+    values_by_sample |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
+    jams = find_jams(values_by_sample)
     usable_numbers = np.flatnonzero(~jams & has_design_file(reducer, samples))
     if not usable_numbers.size:
         raise RunError(
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    numbers, selection_text = _select_critical_samples(figures, FORCES, usable_numbers)
+    numbers, selection_text = _select_critical_samples(values_by_sample, FORCES, usable_numbers)
     return RatedSamples(
         numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),
         f"{selection_text}, of which {int(jams.sum())} jam",
         jams,
-        figures["backlash_arcmin"],
+        values_by_sample["backlash_arcmin"],
     )
 
 

@@ -34,7 +34,7 @@ class CamCase:
     def as_json(self) -> dict[str, Any]:
         """Convert equivalent load [N] and life [h] of a cam bearing for one assumed stiffness to JSON values.
 
-        ``cam_n_m`` is the stiffness [N/m]. An unlimited life is None.
+        Keys are ``name``, ``cam_n_m`` (the stiffness [N/m]), ``mean_load_n`` and ``life_h``. An unlimited life is None.
         """
         return {
             "name": self.name,

@@ -332,21 +332,21 @@ def _choose_ratings(
     if stock_bearing:
         bearing, count = stock_bearing
         pitch = 0.5 * (bearing.bore + bearing.outside)
-        dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
+        dynamic_rating, static_rating = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
         source = f"of the manufacturer's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
         exponent = rolling.BALL_EXPONENT if has_inner_ring(bearing) else exponent
     else:
         base_capacity = row.dynamic / rolling.ISO_281.roller_steel
-        dynamic, static = row.dynamic, row.static
+        dynamic_rating, static_rating = row.dynamic, row.static
         sources = (
             f"assumed: {row} {location_text}, b_m {rolling.ISO_281.roller_steel:g} "
             f"(C {base_capacity:.0f} N with b_m 1)",
             f"assumed: {row} {location_text}",
         )
     return Ratings(
-        dynamic=stated_ratings[0] or dynamic,
-        static=stated_ratings[1] or static,
+        dynamic=stated_ratings[0] or dynamic_rating,
+        static=stated_ratings[1] or static_rating,
         dynamic_source="C of the design file (bearing.*_capacity_n)" if stated_ratings[0] else sources[0],
         static_source="C0 of the design file" if stated_ratings[1] else sources[1],
         pitch=pitch,

@@ -173,7 +173,7 @@ def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> 
 
 
 def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
-    """Return whether the check named `check_name` passes after a `change` of the design file (key, value)."""
+    """Return whether the check named `check_name` passes after a `change`: key of the design file, and new value."""
     try:
         changed_reducer = reducer_of(override(reducer.design, dict([change])))
         # steady temperatures, which take most of the time, decide on heat only

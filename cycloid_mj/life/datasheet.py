@@ -162,7 +162,12 @@ class Datasheet(Presented):
         return sizes.get("drive_diameter_mm", 2e3 * self.design.housing.outer_radius)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert rated torque [N m], life [h], quantities with their conditions, curves and notes to JSON values."""
+        """Convert the data sheet to JSON values.
+
+        Keys are ``design`` (its name), ``rated_torque_nm``, ``life_h``, ``momentary_torque_nm``, ``lubricant``,
+        ``weakest`` (the item that limits the rated torque), ``quantities`` and ``figures`` (both by key), ``curves``
+        and ``notes``.
+        """
         items = [item for group in self.groups.values() for item in group]
         return {
             "design": self.design.name,
@@ -200,16 +205,16 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     def advance() -> None:
         progress(next(step_numbers), step_count)
 
-    static = sheet(reducer, design.rated_torque)
+    static_sheet = sheet(reducer, design.rated_torque)
     advance()
     if isinstance(reducer, RvReducer):
-        contents = _rv_contents(reducer, life, static, advance)
+        contents = _rv_contents(reducer, life, static_sheet, advance)
     else:
-        contents = _central_contents(reducer, life, static, advance)
+        contents = _central_contents(reducer, life, static_sheet, advance)
     groups, curves, ratings, weakest = contents
-    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
+    catalogue = quantities(reducer.but(load={"torque": design.rated_torque}))
     advance()
-    return Datasheet(design, life, groups, curves, _notes(reducer, ratings, static), figures, weakest)
+    return Datasheet(design, life, groups, curves, _notes(reducer, ratings, static_sheet), catalogue, weakest)
 
 
 Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, ...], RatedItem]
@@ -225,12 +230,12 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
     is called after each step, without arguments, to report progress.
     """
     design = reducer.design
-    momentary, stop_item = momentary_torque(reducer)
+    momentary_limit, stop_item = momentary_torque(reducer)
     life_limit = rated_torque(reducer, design.drive.speed, life)
-    rated, weakest = min(life_limit, (momentary, stop_item), key=lambda pair: pair[0])
+    rated_limit, weakest = min(life_limit, (momentary_limit, stop_item), key=lambda pair: pair[0])
     advance()
     groups = {
-        "Ratings": _rating_rows(reducer, life, (rated, weakest), (momentary, stop_item)),
+        "Ratings": _rating_rows(reducer, life, (rated_limit, weakest), (momentary_limit, stop_item)),
         "Accuracy and stiffness": _accuracy_rows(reducer, static),
         "Efficiency and heat": _efficiency_rows(reducer, static),
         "Speed": _speed_rows(reducer),
@@ -246,7 +251,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
         groups["Assembly"] = tuple(mounting_rows(reducer))
     advance()
     curves = (
-        life_curve(reducer, life, momentary, life_limit[0], advance),
+        life_curve(reducer, life, momentary_limit, life_limit[0], advance),
         _efficiency_curve(at_steady_temperatures(reducer)),
         _wind_up_curve(reducer),
         *no_load_curves(reducer),
@@ -307,10 +312,10 @@ def _rating_rows(
     speed = design.drive.speed
     condition = f"{describe_speed(reducer)} input"
     bearing_torque, bearing = rated_torque(reducer, speed, life, is_bearing_life)
-    (rated, weakest), (momentary, stop_item) = rated_limit, momentary_limit
+    (rated_value, weakest), (momentary_value, stop_item) = rated_limit, momentary_limit
     acceleration_torque, strength_item = min(
         rated_torque(reducer, speed, life, is_strength, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol),
-        (momentary, stop_item),
+        (momentary_value, stop_item),
         key=lambda pair: pair[0],
     )
     return (
@@ -318,7 +323,7 @@ def _rating_rows(
         Quantity(
             "rated_torque",
             f"Rated torque, {life:g} h",
-            rated,
+            rated_value,
             "N m",
             note=f"{condition}, safety factor 1; limited by {weakest.name}",
         ),
@@ -339,7 +344,7 @@ def _rating_rows(
         Quantity(
             "momentary_torque",
             "Momentary torque, emergency stop",
-            momentary,
+            momentary_value,
             "N m",
             note=f"safety factor 1; limited by {stop_item.name}",
         ),
@@ -357,9 +362,9 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
     design = reducer.design
     if not has_tolerances(reducer):
         return ()
-    nominal = design.rated_torque
-    rating = rate(design, constant_duty(nominal, design.drive.speed), life, parts="toleranced")
-    limits = rated_and_momentary_torque(rating.items.values(), nominal, life, reducer)
+    nominal_torque = design.rated_torque
+    rating = rate(design, constant_duty(nominal_torque, design.drive.speed), life, parts="toleranced")
+    limits = rated_and_momentary_torque(rating.items.values(), nominal_torque, life, reducer)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
         ("rated_torque_toleranced", "Rated torque, toleranced parts", *limits[0]),
@@ -388,9 +393,11 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return the data-sheet rows of efficiency, back-driving, no-load and starting torques, and temperature limits.
+    """Return the data-sheet rows on losses and heat at the nominal torque and speed, in this order.
 
-    `static` is the data sheet computed by statics at the nominal torque.
+    They are the efficiency [%] with all bearings and that of the contacts, back-driving torque under and without the
+    torque of the crank, no-load and starting torque of the contacts [N m], temperature rise of the housing [K], and
+    `_thermal_rows`. `static` is the data sheet computed by statics at the nominal torque.
     """
     design = reducer.design
     warm_reducer, quantities = at_steady_temperatures(reducer), static.quantities
@@ -447,20 +454,20 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     """
     if reducer.design.thermal.applied:
         return
-    state = thermal(reducer.design)
-    condition = f"{state.condition}; conductances assumed"
-    if math.isfinite(state.torque):
-        limit_note = f"{condition}; limit: {state.limited_by}"
-        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=limit_note)
-    jam_note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
-    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=jam_note)
+    thermal_state = thermal(reducer.design)
+    condition = f"{thermal_state.condition}; conductances assumed"
+    if math.isfinite(thermal_state.torque):
+        limit_note = f"{condition}; limit: {thermal_state.limited_by}"
+        yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=limit_note)
+    jam_note = f"{condition}; {thermal_state.jam_difference:.3g} K close the teeth"
+    yield Quantity("disc_over_ring", "Disc warmer than the ring", thermal_state.difference, "K", note=jam_note)
 
 
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of a data sheet on the continuous, the intermittent and the largest input speed [rpm].
 
     The first two are for the nominal torque, all the time (S1) and for a quarter of it (S3). The grease in the bearings
-    limits the largest speed.
+    limits the largest speed (`figures.largest_speed`).
     """
     return (
         figure_row(
@@ -480,9 +487,9 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the data-sheet rows of the output flange: limits of tilting moment, radial and axial load; stiffness.
+    """Return the data-sheet rows of the output bearings: tilting moment, tilting stiffness, radial load and axial load.
 
-    The limits are loads that may act together with the nominal torque, except the axial load, which acts alone.
+    The loads are limits: each may act together with the nominal torque, except the axial load, which acts alone.
     """
     bearings, torque_text = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     return (
@@ -545,7 +552,7 @@ def _threads(count: int, thread: float) -> str:
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of a data sheet on mass [kg], inertia [kg cm2] and dimensions [mm].
 
-    There are rows for the mechanism alone and for the drive with covers.
+    There are rows for the mechanism alone and, from `DRIVE_FIGURES`, for the drive with covers.
     """
     design = reducer.design
     gear, housing = design.gear, design.housing

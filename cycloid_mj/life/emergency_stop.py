@@ -123,11 +123,11 @@ def _torque_at_limits(
     root_note = "the pressure is assumed to grow with the square root of the torque"
     if abs(estimated_torque) > max(FAR_BEYOND * other_limit, abs(torque)):
         return abs(estimated_torque), f"in {kind}, lower bound: {root_note}; another limit of the stop is far below"
-    case = frozenset(limits.items())
+    limit_set = frozenset(limits.items())
     try:
-        if case not in solved:
-            solved[case] = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
+        if limit_set not in solved:
+            solved[limit_set] = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
     except RunError:
         return abs(estimated_torque), f"in {kind}; no equilibrium was found there: {root_note}"
-    limit_torque, kind = solved[case]
+    limit_torque, kind = solved[limit_set]
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"

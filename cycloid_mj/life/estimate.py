@@ -229,8 +229,9 @@ def _modulus(design: Design, kind: str) -> float:
 def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the pressures on teeth and output pins.
 
-    The result has the shape (n,) by name of the limit. The limit is pitting of steel or permanent set of a plastic, and
-    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
+    The result has an array (n,) by name of the limit, such as ``output_pitting``. Limits are pitting of steel (also
+    lubricated) or permanent set of a plastic, and yield at twice the torque. `sizes` are the dimensions of the
+    candidates, and `loads` their loads at `loads.torque`.
     """
     hole_radius = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole_radius, 1e-6)
@@ -264,8 +265,9 @@ def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[
 def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter: float) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
-    The result has the shape (n,) by name of the limit. The limits are their lives, and their static ratings at twice
-    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
+    The result has an array (n,) by name of the limit. The limits are their lives, and their static ratings at twice the
+    torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`. `diameter` is the
+    outer diameter of the drives with covers [m].
     """
     discs, stack = design.gear.discs, _stack(sizes, design)
     megaturns = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6

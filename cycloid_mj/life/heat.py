@@ -68,13 +68,13 @@ def still_air_coefficient(
     emissivity
         Emissivity eps of the wall [1].
     """
-    hot, cold = wall_temperature + FREEZING_POINT, ambient_temperature + FREEZING_POINT
-    convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
-    return float(convection + 0.23e-6 * emissivity * (0.5 * (hot + cold)) ** 3)
+    wall_kelvin, air_kelvin = wall_temperature + FREEZING_POINT, ambient_temperature + FREEZING_POINT
+    convection = 18.0 * (height / 0.1) ** -0.1 * (max(wall_kelvin - air_kelvin, 0.0) / air_kelvin) ** 0.3
+    return float(convection + 0.23e-6 * emissivity * (0.5 * (wall_kelvin + air_kelvin)) ** 3)
 
 
 def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> float:
-    """Return the heat transfer coefficient of the housing [W/(m2 K)] at a temperature of its wall [°C].
+    """Return the heat transfer coefficient of the housing [W/(m2 K)] at its `wall_temperature` [°C].
 
     The design states it; otherwise it is `still_air_coefficient`.
     """

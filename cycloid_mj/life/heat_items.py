@@ -29,7 +29,7 @@ from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 def rate_heat(
     reducer: Reducer, loadings: Sequence[Loading], steady_state: SteadyState | None = None
 ) -> Iterator[RatedItem]:
-    """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance by expansion [um].
+    """Yield the rated items on heat: power lost [W], housing temperature [°C], loss of clearance by expansion [um].
 
     `loadings` are the solved forces at each point of the duty. Losses and housing temperature are those of
     `steady_state`, or without one those of the loadings. For the clearances of teeth, output pins and cam, all parts
@@ -86,15 +86,15 @@ def _rate_hot_clearances(reducer: Reducer, temperature: float) -> Iterator[Rated
         if kind == design.tooth_pair and design.seat_pair:  # pins recede within their seats
             clearance, growth = clearance + design.pin_play, growth + clearance_growth(reducer, design.seat_pair)
             note = f"; with the clearance of {design.seat_pair.replace('_', ' ')}"
-        grown = growth * (temperature - REFERENCE_TEMPERATURE)
+        clearance_change = growth * (temperature - REFERENCE_TEMPERATURE)
         materials = " on ".join(design.material_of(part).name or "unnamed" for part in PARTNERS[kind])
         yield RatedItem(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
-            0.0 - 1e6 * grown,
+            0.0 - 1e6 * clearance_change,
             1e6 * clearance,
             "um",
-            clearance / -grown if grown < 0.0 else math.inf,
+            clearance / -clearance_change if clearance_change < 0.0 else math.inf,
             None,
             "thermal expansion of both parts from 20 °C; safety factor of the clearance",
             f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}{note}; "
@@ -131,7 +131,7 @@ def _describe_cooled_outside(reducer: Reducer) -> str:
 def rate_jam_difference(
     reducer: Reducer, loadings: Sequence[Loading], steady_state: SteadyState | None = None
 ) -> Iterator[RatedItem]:
-    """Rate the temperature difference of disc and ring [K] against that at which the teeth jam.
+    """Yield the rating of the temperature difference of disc and ring [K] against that at which the teeth jam.
 
     With rests (``service.duty_share``), the difference is the mean over running and rest. It is that of the steady
     state of the duty. If `steady_state` is None, it follows from the losses and conductances of the `loadings`, the
@@ -159,7 +159,7 @@ def rate_jam_difference(
 
 
 def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
-    """Rate heat: the largest torque of a duty [N m] against the torque that the steady temperatures allow.
+    """Yield the rating of the largest torque of a duty [N m] against the torque that the steady temperatures allow.
 
     For an RV reducer, which `rate_heat` does not support, the housing temperature [°C] is rated too.
 

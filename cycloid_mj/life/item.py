@@ -75,8 +75,9 @@ class RatedItem:
     def as_json(self) -> dict[str, Any]:
         """Convert the rating of a part for one kind of failure to JSON values: load, limit, safety factor or life.
 
-        The key is not included. `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety
-        factor, from no life at all.
+        Keys are ``name``, ``kind``, ``value`` (the load) with its ``unit`` and ``limit``, ``safety``, ``life_h``,
+        ``unlimited``, ``source`` and ``note``. ``unlimited`` distinguishes a life of more than `MAX_LIFE` hours, or an
+        infinite safety factor, from no life at all.
         """
         return {
             "name": self.name,

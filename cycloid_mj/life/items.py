@@ -119,12 +119,14 @@ def _rate_parts(
     `steady` is whether heat is rated in the steady state with the friction law ``film``.
     """
     design = reducer.design
-    items, work = _rate_all_items(reducer, duty, ranges, poses, stops, steady)
+    items, solver_effort = _rate_all_items(reducer, duty, ranges, poses, stops, steady)
     sorted_items = sort_by_margin(items, life)
     cam_compliance = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([cam_compliance.words] if cam_compliance else [])
     condition = describe_condition(design, duty)
-    rating = Rating(design.name, condition, life, sorted_items, assumptions, cam_compliance, work, reducer.parts_text)
+    rating = Rating(
+        design.name, condition, life, sorted_items, assumptions, cam_compliance, solver_effort, reducer.parts_text
+    )
     return _add_thermal_limits(rating, design, duty) if compliance else rating
 
 
@@ -146,7 +148,7 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
     samples, which are random drives within the tolerances, and becomes the first assumption.
     """
     first_rating = ratings[0]
-    weakest = [
+    weakest_items = [
         min(
             (rating.items[key] for rating in ratings if key in rating.items),
             key=lambda item: item.margin(first_rating.life),
@@ -156,7 +158,7 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
     return replace(
         first_rating,
         design=design_name,
-        items=sort_by_margin(weakest, first_rating.life),
+        items=sort_by_margin(weakest_items, first_rating.life),
         assumptions=(sample_text, *first_rating.assumptions),
         parts="toleranced",
     )
@@ -196,7 +198,7 @@ def _rate_all_items(
     """
     points = turning_points(duty, reducer.design, "a life in hours can be computed")
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in points]
-    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    worst_loading = max(loadings, key=lambda loading: abs(loading.point.torque))
     state = film_steady_state(reducer, duty) if steady else None
     temperatures = None
     if warms_up(reducer.design):
@@ -206,13 +208,13 @@ def _rate_all_items(
     by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak, temperatures),
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),
-        ItemKind.STRENGTH: rate_strength(reducer, worst, ranges),
+        ItemKind.STRENGTH: rate_strength(reducer, worst_loading, ranges),
         ItemKind.WEAR: rate_wear(reducer, loadings),
         ItemKind.HEAT: chain(rate_heat(reducer, loadings, state), rate_jam_difference(reducer, loadings, state)),
     }
     if with_stops:
-        by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)
-        by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst)
+        by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst_loading)
+        by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst_loading)
     items = [replace(item, kind=kind) for kind, rated_items in by_kind.items() for item in rated_items]
     return items, max(loading.work for loading in loadings)
 

@@ -117,11 +117,11 @@ class ScrewedJoint:
 
 
 def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Iterator[RatedItem]:
-    """Yield safety factors of all joints of a drive (screws, dowels, keys, glue, press fits) at a peak output torque.
+    """Yield safety factors of all joints of a drive (screws, dowels, keys, glue, press fits) at the peak output torque.
 
-    For each joint, the torque on it [N m] is compared with the torque at which it slips, shears or yields; for the
-    holes of the output pins, pressures [MPa] are compared. Forces on pins are scaled from those of a solved `loading`,
-    in proportion to the torque.
+    `peak_torque` is in [N m]. For each joint, the torque on it [N m] is compared with the torque at which it slips,
+    shears or yields; for the holes of the output pins, pressures [MPa] are compared. Forces on pins are scaled from
+    those of a solved `loading`, in proportion to the torque.
     """
     torques = JointTorques.at_output(reducer, peak_torque)
     force_scale = peak_torque / abs(loading.point.torque)
@@ -475,7 +475,7 @@ def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, lengt
 def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
     """Rate the shrink fit of the cams on the shaft: `torque` [N m] against the slip torque of a single cam.
 
-    `shrunk` has the dimensions of the shrink fit.
+    `shrunk` has the dimensions of the shrink fit, `name` is the name of the item without the kind of fit.
     """
     press_fit = shrunk.press
     item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press_fit, shrunk.zones, shrunk.yield_pressure)
@@ -755,21 +755,21 @@ def _press_fit_item(
 
 
 def _fit_pressures(fit: strength.PressFit, zones: str, max_pressure: float) -> tuple[float, tuple[float, float, float]]:
-    """Compute the mean effective interference [m] of a press fit, and its pressures [Pa]: mean, least and largest.
+    """Compute the mean effective interference [m] of a press fit, and its mean, least and largest pressure [Pa].
 
     `zones` are the tolerance zones of pin and hole, such as ``m6 in N7``. At `max_pressure` [Pa], a part yields.
     """
     least_interference, largest_interference = (
         -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
     )
-    mean, least, largest = (
+    mean_pressure, least_pressure, largest_pressure = (
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
     )
-    return mean, (
-        min(fit.pressure(mean), max_pressure),
-        min(fit.pressure(least), max_pressure),
-        min(fit.pressure(largest), max_pressure),
+    return mean_pressure, (
+        min(fit.pressure(mean_pressure), max_pressure),
+        min(fit.pressure(least_pressure), max_pressure),
+        min(fit.pressure(largest_pressure), max_pressure),
     )
 
 

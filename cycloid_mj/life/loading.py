@@ -137,7 +137,7 @@ CAM: tuple[Body, Body] = ("shaft", "disc")
 
 
 def relative_speed(reducer: Reducer, speed: float, bodies: tuple[Body, Body] = CAM) -> float:
-    """Compute the magnitude of the relative speed of two bodies [rad/s] at a speed of the crank [rad/s].
+    """Compute the magnitude of the relative angular speed of two `bodies` [rad/s] at a `speed` of the crank [rad/s].
 
     The default bodies are crank shaft and disc, between which the cam runs. The speed follows from the ideal kinematics
     of a design with a fixed ring or a fixed carrier.
@@ -225,10 +225,10 @@ def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_lo
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
     """Compute the `Sliding` over a turn of each kind of mating pair whose contacts slide.
 
-    These are ring pins, output pins or plain rollers, and plain cams. A ring pin that can turn slides where its
-    friction is lower (`slides_in_seat`): on the flank or in its seat. F v is averaged over the bores of sleeves and
-    rollers, which wear evenly; elsewhere it is that at the most worn point. `springs` and `contact_loads` are the
-    contact springs and the forces at the crank angles of a turn.
+    The result is by kind of pair: ring pins, output pins or plain rollers, and plain cams. A ring pin that can turn
+    slides where its friction is lower (`slides_in_seat`): on the flank or in its seat. F v is averaged over the bores
+    of sleeves and rollers, which wear evenly; elsewhere it is that at the most worn point. `springs` and
+    `contact_loads` are the contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip_speeds, tooth_count = np.abs(springs.slip), springs.teeth

@@ -370,14 +370,14 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
     force_for_life = rolling.load_for_life(
         hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent
     )
-    capacity = min(force_for_life / design.bearing.service_factor, hub.static)
+    load_limit = min(force_for_life / design.bearing.service_factor, hub.static)
     flange_moment = gaping_moment(flange_joint(reducer))
     if hub.has_crossed_rollers:
         own_load, own_moment = _own_load_and_moment(reducer)
         retainer = retainer_joint(reducer)
         lever, preload = flange_face - 0.5 * sum(drive_casing.bearings[-1]), retainer.count * retainer.preload
         retainer_moment = gaping_moment(retainer) - own_moment
-        return CrossedRollerBearing(hub, lever, capacity, own_load, retainer_moment, preload, flange_moment)
+        return CrossedRollerBearing(hub, lever, load_limit, own_load, retainer_moment, preload, flange_moment)
     inner, outer = drive_casing.load_centres
     return OutputBearings(
         bearing=hub,
@@ -386,7 +386,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
         lever=flange_face - outer,
         dynamic=hub.dynamic,
         static=hub.static,
-        capacity=capacity,
+        capacity=load_limit,
         own=_own_forces(reducer),
         seat_stiffness=_cover_seat_stiffness(reducer),
         disc_force=second_disc_seat(reducer).force if drive_casing.stop_ring else math.inf,

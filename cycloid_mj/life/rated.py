@@ -89,20 +89,22 @@ def rated_torque(
         No torque between `TorqueSearch.lowest` and `highest` times the nominal torque is rated for that life.
     """
     design = reducer.design
-    torque, low, high = start_torque or design.rated_torque, 0.0, math.inf
+    torque, lower_torque, upper_torque = start_torque or design.rated_torque, 0.0, math.inf
     is_limit = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
-    weakest: RatedItem | None = None
-    while high > SEARCH.lowest * design.rated_torque:
+    weakest_item: RatedItem | None = None
+    while upper_torque > SEARCH.lowest * design.rated_torque:
         limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, is_limit, crank_angles, with_stops, parts)
         if abs(limit / torque - 1.0) <= rtol and item:
             return limit, item
         if limit >= torque and item:
-            low, weakest = torque, item
+            lower_torque, weakest_item = torque, item
         else:
-            high = torque
-        if weakest and (high < low * (1.0 + rtol) or low > SEARCH.highest * design.rated_torque):
-            return low, weakest
-        torque = limit if low < limit < high else _next_in_bracket(low, high)
+            upper_torque = torque
+        if weakest_item and (
+            upper_torque < lower_torque * (1.0 + rtol) or lower_torque > SEARCH.highest * design.rated_torque
+        ):
+            return lower_torque, weakest_item
+        torque = limit if lower_torque < limit < upper_torque else _next_in_bracket(lower_torque, upper_torque)
     raise DesignError(
         f"{design.name}: there is no rated torque for {life:g} h at {speed / RPM:.4g} rpm, because even {torque:.3g} N "
         "m is too much. `cycloid-mj rate` shows what fails; strengthen that part, or require a shorter life"

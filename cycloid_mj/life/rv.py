@@ -84,7 +84,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     """Yield the crank bearings in the discs, then those in the flanges, with load ratings and forces [N].
 
-    Forces are those under each of `torques` [N m], the output torques at the points of a duty cycle.
+    Forces are those under each of `torques` [N m], shape (points,), the output torques at the points of a duty cycle.
     """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
@@ -171,10 +171,10 @@ def _rate_bearing(
 ) -> Iterator[RatedItem]:
     """Yield life and modified life (ISO 281) and static safety factor (ISO 76) of the most loaded of equal bearings.
 
-    `bearing_row` has the equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds`
-    are the bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these
-    shares [1]. The static safety factor is that at `peak_torque` [N m]. The modified life requires a known kinematic
-    `viscosity` of the oil [m2/s]; it is 0 if unknown.
+    `bearing_row` has the equal bearings with their forces at each of the `torques` of the duty [N m], shape (points,).
+    `weighted_speeds` are the bearing's speeds at these points times their shares of time [rad/s], and `running_share`
+    is the sum of these shares [1]. The static safety factor is that at `peak_torque` [N m]. The modified life requires
+    a known kinematic `viscosity` of the oil [m2/s]; it is 0 if unknown.
     """
     settings = reducer.design.bearing
     mean_loads = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -228,7 +228,7 @@ def _rate_teeth(
     Parameters
     ----------
     torques, weighted_speeds
-        Torques of the duty [N m], and speeds of the cranks times their shares of time [rad/s].
+        Torques of the duty [N m], and speeds of the cranks times their shares of time [rad/s], shape (points,).
     peak_torque
         Torque at which first yield is rated [N m].
     speed_ratios
@@ -263,9 +263,9 @@ def _rate_teeth(
 
 
 def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
-    """Return mean entrainment speed [m/s] at the design's speed, and reduced radius [m], of teeth under a torque [N m].
+    """Return mean entrainment speed [m/s] and reduced radius [m] of the teeth, at the design's speed, under a torque.
 
-    `torque` acts on the output.
+    `torque` [N m] acts on the output.
     """
     loads = solve_running_equilibrium(reducer, torque)
     surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)
@@ -309,7 +309,7 @@ def _rate_planets(
     With the friction law ``film``, the pitting life with the lubricant factors is a second item. Each planet loads each
     tooth once per turn of the sun relative to the carrier. `weighted_speeds` are the speeds of the cranks times the
     shares of time [rad/s] at the `torques` of the duty [N m], `speed_ratios` the speeds at these points relative to the
-    design's speed [1].
+    design's speed [1], shape (points,) each.
     """
     planet, material = reducer.planet, reducer.design.material
     pitch_radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
@@ -344,7 +344,7 @@ def _rate_pitting(
         Largest Hertz pressure at each point of the duty [Pa].
     load_rates
         Number of loads on a tooth per second at each point of the duty, times the point's share of time and 2 pi
-        [rad/s].
+        [rad/s], shape (points,).
     """
     allowed_pressure, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     loads_per_hour = load_rates / (2.0 * math.pi) * HOUR

@@ -67,9 +67,10 @@ class RvTorqueLimits:
 
 
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
-    """Compute rated torque, rated torque of the bearings, and momentary torque of an RV reducer, each with its limit.
+    """Compute rated torque of drive and bearings, and momentary torque of an RV reducer [N m], each with its limit.
 
-    The limit is the rated item that sets the torque. Rated torques are for a `life` [h] at the design's speed.
+    A limit is the rated item, a part with a kind of failure, that sets the torque. Rated torques are for a `life` [h]
+    at the design's speed.
 
     Raises
     ------
@@ -112,14 +113,14 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
     `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
     """
-    design, (rated, weakest), (momentary, stop_item) = reducer.design, limits.rated, limits.momentary
+    design, (rated_value, weakest), (momentary_value, stop_item) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings
     condition = f"{describe_speed(reducer)} input"
     yield ratio_row(design)
     yield Quantity(
         "rated_torque",
         f"Rated torque, {life:g} h",
-        rated,
+        rated_value,
         "N m",
         note=f"{condition}, without heat; limited by {weakest.name}",
     )
@@ -133,7 +134,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
     yield Quantity(
         "momentary_torque",
         "Momentary torque, emergency stop",
-        momentary,
+        momentary_value,
         "N m",
         note=f"crank bearings and teeth only; limited by {stop_item.name}",
     )
@@ -145,7 +146,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
 
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of backlash, lost motion, stiffness and transmission errors of an RV reducer.
+    """Yield the data-sheet rows of backlash, lost motion, stiffness and transmission errors, in this order.
 
     The transmission errors are that under load, and that by the errors of the parts if the design has any. `static` is
     the data sheet computed by statics at the nominal torque.
@@ -184,7 +185,11 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of efficiency, no-load torques, temperature rise and thermal limits."""
+    """Yield the data-sheet rows on losses and heat of an RV reducer at the nominal torque and speed.
+
+    They are the efficiency [%], with the law ``film`` no-load and starting torque on the sun [N m], and `_thermal_rows`
+    unless the dimensions of the design already include thermal expansion (``thermal.applied``).
+    """
     design = reducer.design
     losses_text = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
     warm_reducer = at_steady_temperatures(reducer)
@@ -201,9 +206,13 @@ def _efficiency_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of the steady temperature rises [K] and the torque [N m] and speed [rpm] they allow."""
-    state = thermal(reducer.design)
-    temperatures = state.temperatures
+    """Yield the data-sheet rows of the steady temperatures and thermal limits of an RV reducer at the nominal torque.
+
+    They are the temperature rise of the housing over the air [K], the torque [N m] and the continuous speed [rpm] that
+    heat allows (left out if they are infinite), and the temperature of the disc over that of the ring [K].
+    """
+    thermal_state = thermal(reducer.design)
+    temperatures = thermal_state.temperatures
     cooling_text = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling_text}"
     housing_rise = temperatures["housing"] - reducer.design.service.ambient_temperature
@@ -215,18 +224,18 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
         "K",
         note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
     )
-    if math.isfinite(state.torque):
-        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {state.limited_by}"
-        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
+    if math.isfinite(thermal_state.torque):
+        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {thermal_state.limited_by}"
+        yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=note)
     if math.isfinite(speed := thermal(reducer.design.but(service={"duty_share": 1.0})).speed):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
         yield Quantity("continuous_speed_rpm", "Continuous input speed", speed / RPM, "rpm", note=note)
-    note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
-    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=note)
+    note = f"{condition}; {thermal_state.jam_difference:.3g} K close the teeth"
+    yield Quantity("disc_over_ring", "Disc warmer than the ring", thermal_state.difference, "K", note=note)
 
 
 def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of no-load and starting torques on the sun [N m], by the friction law ``film``."""
+    """Yield the rows of no-load (20, 60 °C) and starting torque (20 °C) on the sun [N m], with the law ``film``."""
     for key, name, figure_key, temperature in (
         ("running_torque_cold", "No-load torque, 20 °C", "no_load_torque_nm", SETTINGS.cold),
         ("running_torque_warm", "No-load torque, 60 °C", "no_load_torque_nm", SETTINGS.warm),
@@ -239,7 +248,10 @@ def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of an RV reducer's data sheet on mass [kg], inertia [kg cm2] and dimensions [mm]."""
+    """Yield the data-sheet rows on the size of an RV reducer.
+
+    They are mass [kg], inertia at the sun [kg cm2], outer diameter, length and face width [mm].
+    """
     design, discs = reducer.design, reducer.design.gear.discs
     yield Quantity(
         "mass",
@@ -260,20 +272,20 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of grease viscosity, ambient temperatures, and permissible duty.
+    """Yield the data-sheet rows of grease viscosity, ambient temperature limits [°C], and permissible duty [%].
 
-    The duty is that at nominal torque and speed. All temperature rises are assumed to be in proportion to the share of
-    the time. The largest ambient temperature is left out if the nominal torque allows no temperature in the range of
-    the grease.
+    The duty is the share of the time at nominal torque and speed that heat allows. All temperature rises are assumed to
+    be in proportion to the share of the time. The largest ambient temperature is left out if the nominal torque allows
+    no temperature in the range of the grease.
     """
     design = reducer.design
     yield from grease_rows(design)
     if design.thermal.applied:
         return
     duty_share, ambient = design.service.duty_share, design.service.ambient_temperature
-    state = thermal(design)
+    thermal_state = thermal(design)
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
-    max_rise = max(state.temperatures.values()) - ambient
+    max_rise = max(thermal_state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
     limit_text = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
     if limit.temperature - max_rise >= grease_of(design).coldest:

@@ -120,10 +120,10 @@ def hysteresis(reducer: Reducer) -> Quantity:
 
 
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
-    """Return the data-sheet rows of no-load running, starting and back-driving torque [N m].
+    """Return the data-sheet rows of no-load torque at 20 and 60 °C, starting and back-driving torque at 20 °C [N m].
 
-    They include grease, bearings and seals. `static_sheet` is the data sheet computed by statics, whose efficiency of
-    back-driving is used.
+    They include grease, bearings and seals. The back-driving torque acts on the output, the others on the crank.
+    `static_sheet` is the data sheet computed by statics, whose efficiency of back-driving is used.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running_row, warm_running_row, starting_row, back_driving_row = (
@@ -275,7 +275,11 @@ def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of output run-out, input shaft radial load, motor torque and tightening torques."""
+    """Yield the data-sheet rows for mounting a drive with covers.
+
+    They are radial and axial run-out of the output [um], radial load at the end of the input shaft [N], continuous
+    torque of the motor and tightening torque of each screwed joint [N m].
+    """
     design, covers = reducer.design, casing(reducer)
     bore_mm = 1e3 * covers.hub.bore
     radial_run_out = next(

@@ -174,7 +174,7 @@ def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dic
 
 
 def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
-    """Estimate the steady temperatures of the parts [°C] by the losses at 20 °C: the first round of the iteration.
+    """Estimate the steady temperatures [°C], by part, from the losses at 20 °C: the first round of the iteration.
 
     `loadings` are the solved forces at each point of a duty, at 20 °C.
     """
@@ -186,14 +186,14 @@ def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict
 def estimate_rises(
     reducer: Reducer, loadings: Sequence[Loading], losses: Mapping[str, float], wall_temperature: float
 ) -> dict[str, float]:
-    """Estimate the steady temperature rises of the parts over the air [K] by the losses of a duty without rests.
+    """Estimate the steady temperature rises over the air [K], by part, from the losses of a duty without rests.
 
     `loadings` are the solved forces at each point of the duty, and `losses` its mean losses by source [W]
     (`mean_losses`). `wall_temperature` [°C] is that of the housing's wall, on which its heat transfer coefficient
     depends.
     """
-    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = build_network(reducer, worst, wall_temperature)
+    worst_loading = max(loadings, key=lambda loading: abs(loading.point.torque))
+    network = build_network(reducer, worst_loading, wall_temperature)
     return network.rises(heat_by_node(reducer, losses))
 
 
@@ -216,34 +216,35 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
 
     Losses and conductances depend on the temperatures, also through the clearances. If the parts jam at the next
     temperatures, have no equilibrium there or are too hot, the step is shortened. If this is so after the shortest step
-    as well, the result has the losses before that step and states the obstacle.
+    as well, the result has the losses before that step and states the obstacle. `settings` has the number of rounds and
+    the tolerances.
     """
     ambient = reducer.design.service.ambient_temperature
     temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     point_losses, network = solve_losses(reducer, points, temperatures, settings)
-    cold, obstacle = point_losses, NO_AGREEMENT
-    for remaining in range(settings.rounds, 0, -1):
+    cold_losses, obstacle = point_losses, NO_AGREEMENT
+    for rounds_left in range(settings.rounds, 0, -1):
         losses = mean_of_points(points, point_losses)
-        steady = {part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()}
-        if max(abs(steady[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
+        targets = {part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()}
+        if max(abs(targets[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
             obstacle = ""
             break
         step = 1.0
-        while step >= settings.smallest_step and remaining > 1:
-            following = {part: value + step * (steady[part] - value) for part, value in temperatures.items()}
-            obstacle = _find_obstacle(reducer.design, following, settings)
+        while step >= settings.smallest_step and rounds_left > 1:
+            trial = {part: value + step * (targets[part] - value) for part, value in temperatures.items()}
+            obstacle = _find_obstacle(reducer.design, trial, settings)
             if not obstacle:
                 try:
-                    point_losses, network = solve_losses(reducer, points, following, settings)
+                    point_losses, network = solve_losses(reducer, points, trial, settings)
                     break
                 except CycloidError:
                     obstacle = NO_EQUILIBRIUM if reducer.design.layout == RvReducer.LAYOUT else JAM
             step *= 0.5
         else:
             break
-        temperatures, obstacle = following, NO_AGREEMENT
+        temperatures, obstacle = trial, NO_AGREEMENT
     links = network.conductances
-    return SteadyState(steady, losses, links, obstacle, cold, point_losses, temperatures, reducer)
+    return SteadyState(targets, losses, links, obstacle, cold_losses, point_losses, temperatures, reducer)
 
 
 def _find_obstacle(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> str:
@@ -282,9 +283,9 @@ def solve_losses(
         solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
         for point in points
     ]
-    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    worst_loading = max(loadings, key=lambda loading: abs(loading.point.torque))
     point_losses = tuple(mean_losses(reducer, [loading]) for loading in loadings)
-    return point_losses, build_network(reducer, worst, temperatures["housing"])
+    return point_losses, build_network(reducer, worst_loading, temperatures["housing"])
 
 
 def mean_of_points(points: Sequence[DutyPoint], point_losses: Sequence[Mapping[str, float]]) -> dict[str, float]:

@@ -61,7 +61,7 @@ def rate_strength(
 
 
 def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
-    """Rate the root of an output pin against fatigue under pulsating forces of the discs.
+    """Rate the root of an output pin by its safety factor against fatigue, under pulsating forces of the discs.
 
     `pin_forces` [N] have the shape (..., discs, pins). The pin is a cantilever of the output disc, or a beam that is
     clamped at both ends; under a roller it is the core that bends.
@@ -103,9 +103,10 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 
 
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Rate the weakest shoulder or cam seat of the shaft against fatigue under `worst`, the forces of the largest load.
+    """Rate the weakest shoulder or cam seat of the shaft by its safety factor against fatigue.
 
-    In the frame of the shaft, the load is nearly constant: its variation over a turn causes the stress amplitude.
+    `worst` has the solved forces of the largest load. In the frame of the shaft they vary little over a turn; this
+    variation causes the stress amplitude.
     """
     design = reducer.design
     shaft, material = shaft_dimensions(reducer), design.material_of("shaft")
@@ -142,7 +143,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
 
 
 def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float, float], str]:
-    """Return the fatigue notch factors of a shoulder of the shaft in bending and torsion, and words for the notch.
+    """Return the fatigue notch factors [1] of a shaft's shoulder in bending and torsion, and a text on the notch.
 
     At cams that are joined to the shaft, they are the factors of that joint. If the splines of such cams are larger
     than the journals, the larger factors of joint and shoulder count.
@@ -162,7 +163,7 @@ def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
-    """Rate a part against fatigue by the stress range at its critical node in a finite-element study.
+    """Rate a part by its safety factor against fatigue, from the stress range at the worst node of a stress study.
 
     `part` is the name of the part in the study; stresses are scaled from the study's load to a torque [N m].
     """
@@ -187,7 +188,7 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 
 
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate the wall next to a hole against fatigue, as a clamped beam over the hole under a force in its middle.
+    """Rate the wall next to a hole by its safety factor against fatigue, as a clamped beam with a force in its middle.
 
     The force is the largest of a tooth or output pin in the loading `worst`. The pulsating stress is the larger of
     bending and shear (von Mises).

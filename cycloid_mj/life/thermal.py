@@ -60,7 +60,10 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 
 @once
 def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -> ThermalState:
-    """Compute the `ThermalState` of a drive at 20 °C under a duty that states its rests."""
+    """Compute the `ThermalState` of a drive under a duty that states its rests.
+
+    `cold` is the drive at 20 °C, `settings` are those of the search.
+    """
     steady_state, reducer = solve_steady_state(cold, duty, settings), state_seals(cold)
     points = turning_points(duty, reducer.design, "the drive heats up")
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
@@ -132,7 +135,7 @@ def _solve_warm_up(
     duration = settings.time_constants * steady_state.network.time_constant
     cycle = duty.period if len(duty.points) > 1 else duration
     reference = design.thermal.disc
-    span = steady_state.warm_temperatures["disc"] - reference
+    disc_rise = steady_state.warm_temperatures["disc"] - reference
     cold_losses = steady_state.cold if steady_state.converged else steady_state.warm
     loss_pairs = iter(zip(cold_losses, steady_state.warm, strict=True))
     heating = []
@@ -140,7 +143,7 @@ def _solve_warm_up(
         cold_heat, warm_heat = (
             heat_by_node(reducer, losses) for losses in (next(loss_pairs) if point.speed else ({}, {}))
         )
-        slope = {node: (warm_heat[node] - heat) / span if span else 0.0 for node, heat in cold_heat.items()}
+        slope = {node: (warm_heat[node] - heat) / disc_rise if disc_rise else 0.0 for node, heat in cold_heat.items()}
         heating.append(HeatingPoint(point.share * cycle, cold_heat, slope))
     heating = [point for point in heating if point.duration > 0.0]
     reference_rise = reference - design.service.ambient_temperature
@@ -355,7 +358,7 @@ def _find_scale_limit(
 def _estimate_scale_limit(
     reducer: Reducer, steady_state: SteadyState, growth: Mapping[str, float], settings: ThermalSettings
 ) -> "_LossLimit":
-    """Return the factor on torque or speed at which a thermal limit is reached, for losses linear in the factor.
+    """Return the factor [1] on torque or speed at which a thermal limit is reached, for losses linear in the factor.
 
     The result also has the limit in words, and the temperatures of the parts there. `growth` is the increase of the
     losses by source [W] when the factor increases by 1. If the part of the losses without torque alone exceeds a limit,
@@ -378,7 +381,7 @@ def _extrapolate_scale_limit(
     temperatures: Mapping[str, float],
     settings: ThermalSettings,
 ) -> "_LossLimit":
-    """Return the factor on torque or speed at which a thermal limit is reached, extrapolated from large factors.
+    """Return the factor [1] on torque or speed at which a thermal limit is reached, extrapolated from large factors.
 
     Losses are linear between those at half of the factor `largest` and at `largest`, with conductances at the latter.
     All are computed at the `temperatures` of the parts [°C]. Other parameters and the result are those of
@@ -394,9 +397,9 @@ def _extrapolate_scale_limit(
         points = scale_duty(factor)
         point_losses, network = solve_losses(reducer, points, temperatures, settings)
         losses.append(mean_of_points(points, point_losses))
-    half, full = losses
-    growth = {source: 2.0 * (loss - half[source]) for source, loss in full.items()}
-    state = replace(steady_state, losses=full, conductances=network.conductances)
+    half_losses, full_losses = losses
+    growth = {source: 2.0 * (loss - half_losses[source]) for source, loss in full_losses.items()}
+    state = replace(steady_state, losses=full_losses, conductances=network.conductances)
     limit = _estimate_scale_limit(reducer, state, growth, settings)
     return replace(limit, factor=largest * limit.factor)
 
@@ -419,7 +422,7 @@ def _find_loss_factor_limit(
     settings: ThermalSettings,
     idle_rises: Mapping[str, float] | None = None,
 ) -> _LossLimit:
-    """Return the factor on temperature rises over the air at which the first thermal limit is reached.
+    """Return the factor [1] on temperature rises over the air at which the first thermal limit is reached.
 
     The result also has the limit in words, and the temperatures of the parts there [°C]. `rises` [K] are the
     temperature rises of the parts. The factor does not apply to their part `idle_rises` [K], by default none. It is inf

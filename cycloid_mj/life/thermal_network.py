@@ -281,7 +281,7 @@ def outside_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conduct
 
 
 def heat_capacities(reducer: Reducer) -> dict[str, float]:
-    """Compute the heat capacity of each node of the thermal network [J/K], mass times specific heat.
+    """Compute the heat capacity of each node of the thermal network [J/K], mass times specific heat, by node.
 
     The housing has the capacity of the covers, but at least a share `shell_share` (1 %) of the capacity of all other
     nodes together. Without covers, it has this smallest capacity.

@@ -113,7 +113,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures [°C], differences [K], warm tooth play, losses and thermal limits of a drive, by key."""
+        """Return temperatures [°C], their differences [K], tooth play [um], losses [W] and thermal limits, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")

@@ -140,9 +140,9 @@ class WearingDrive:
 
 
 def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Contacts, SlidingContacts]:
-    """Solve for forces, sliding speeds and positions of the contacts of each kind of gap at m crank angles [rad], (m,).
+    """Solve for forces, sliding speeds and positions of the contacts by kind of gap, at m crank angles [rad], (m,).
 
-    `load` [N m] is the torque that opposes the rotation of the output.
+    The keys are those of `sliding_contacts`. `load` [N m] is the torque that opposes the rotation of the output.
     """
     if isinstance(reducer, RvReducer):
         return rv_sliding_contacts(reducer, crank, load)

@@ -282,8 +282,8 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
 def _split_teeth(teeth: SlidingContacts, is_in_seat: Mask) -> dict[Contacts, SlidingContacts]:
     """Return all contacts of the teeth ("teeth"), those that slide on the flank ("flank") or in a pin's seat ("seat").
 
-    Each value has all contacts; those that do not slide on this surface have no force. `is_in_seat` is true for
-    contacts that slide in the seat.
+    Each value has all contacts; those that do not slide on this surface have no force. `is_in_seat` (m, contacts) is
+    true for contacts that slide in the seat.
     """
     return {
         "teeth": teeth,

@@ -81,7 +81,7 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
 
 
 def fatigue_rows(quick: bool) -> list[ValidationRow]:
-    """Compare Goodman's line and the endurance limit with worked problems of Shigley, 8th edition.
+    """Compare Goodman's line and the endurance limit with two worked problems of Shigley, 8th edition.
 
     Returns a row of `cycloid-mj validate` for each; `quick` has no effect. Problem 7-1 has bending moments of 600 lbf
     in (amplitude) and 500 lbf in (mean), torsional moments of 400 and 300 lbf in, fatigue notch factors K_f 2.2 and
