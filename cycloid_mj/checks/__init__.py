@@ -49,7 +49,7 @@ __all__ = [
 
 
 def check(design: Named) -> Checks:
-    """Check whether a design can be built, and how well it works; return the passed and failed checks.
+    """Check whether a design can be built, and how well it works; return all checks, passed and failed.
 
     Checks of how well it works fail with warnings only. They are left out for a design that cannot be built, and for an
     RV reducer. The checks of load capacity and life are in ``life.checks``.

@@ -121,10 +121,10 @@ def _complete_change(
 
 
 def _is_worse(check_after: Check, check_before: Check | None, target_name: str) -> bool:
-    """Return whether the result of a check is more serious after a change of the design than before it.
+    """Return whether a check is more serious after a change of the design (`check_after`) than before (`check_before`).
 
-    The check with the `target_name`, for which the change is made, must pass. A check that did not exist before must
-    not fail.
+    The check with the `target_name`, for which the change is made, must pass. A check that did not exist before, None,
+    must not fail.
     """
     if check_after.name == target_name:
         return not check_after.passed

@@ -45,7 +45,7 @@ def _check_pins_in_sockets(reducer: Reducer) -> Check:
 
 
 def _check_assembly_gap(reducer: Reducer) -> Check:
-    """Check that the parts have a pose without overlap at every crank angle; a failure is a warning.
+    """Return the check that the parts have a pose without overlap at every crank angle; a failure is a warning.
 
     Parts that overlap without load can turn only if they deform. At up to `MAX_POSES` crank angles, the pose with the
     largest minimum gap is computed (`best_fit`). The remedy widens all clearances of the disc together.

@@ -15,8 +15,9 @@ from cycloid_mj.reducer import Reducer
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
     """Yield the rules for the thickness of the disc's walls, and the check of the radius of its output holes.
 
-    In the code, E is the radius of the pin circle and rho that of a ring pin [m].
-    The walls are those between bore, output holes and the root of the lobes, and between neighbouring output holes.
+    In the code, E is the radius of the pin circle and rho that of a ring pin [m]. The walls are those between bore and
+    root of the lobes ("bore"), bore and output holes ("holes_to_bore"), output holes and root ("holes_to_root"), and
+    between neighbouring output holes.
     """
     design = reducer.design
     pin_circle, cam_clearance = design.output.pin_circle_radius, design.clearance.cam
@@ -169,7 +170,7 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
 
 
 def _check_hole_size(reducer: Reducer) -> Check:
-    """Check that the radius of the output holes equals the radius of an output pin plus the eccentricity.
+    """Return the check that the radius of the output holes is that of an output pin plus the eccentricity.
 
     The centre of a pin moves in its hole on a circle whose radius is the eccentricity.
     """

@@ -116,7 +116,7 @@ class Checks(Presented, tuple[Check, ...]):
 
     @property
     def margins(self) -> dict[str, float]:
-        """Return the margin of each check by name: the factor by which its value may change until it reaches its bound.
+        """Return the margin [1] of each check by name: the factor by which its value may change to reach its bound.
 
         It is above 1 if the check passes. Checks without number, or with a value or bound of 0, are left out.
         """

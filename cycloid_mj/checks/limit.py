@@ -173,7 +173,7 @@ def numbers(value: float, bound: float, unit: Unit) -> Numbers:
 
 
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
-    """Format a value and its limit, both in SI units, in a unit of the design file.
+    """Format a `value` and its limit, both in SI units, in the `unit` of a key of the design file.
 
     Both have four digits, or more if their texts would otherwise be equal. If value and limit themselves are equal, all
     digits are written, because a remedy that lies slightly beyond the limit must differ from it. `bound` is the limit,

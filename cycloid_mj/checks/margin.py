@@ -55,7 +55,7 @@ def _short_width_rule(reducer: Reducer) -> Rule:
 
 
 def _undercut_margin_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the offset of the flank is well below the radius of curvature of the pins' path.
+    """Return the rule that the flank's offset is at most a share of the radius of curvature of the pins' path.
 
     The flank is the path of the pin centres, offset by pin radius, clearance and modification. At the sharpest convex
     point of the path, the offset must be at most `MARGINS.max_undercut_share` of the radius of curvature.

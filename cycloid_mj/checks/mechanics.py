@@ -39,9 +39,9 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 
 
 def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check]:
-    """Yield the rules for output pins, bolts, shaft, clearances, materials and drive.
+    """Yield the rules for number and roots of the output pins, shaft, bolts, clearances, materials and motor.
 
-    `has_shape` is true if disc and ring are feasible, which the check of tooth skipping requires.
+    `has_shape` is true if disc and ring are feasible, which the check of tooth skipping requires (`_clearance_checks`).
     """
     design = reducer.design
     yield Rule(
@@ -62,10 +62,11 @@ def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check
 
 
 def material_rules(table: str, material: Material) -> Iterator[Rule]:
-    """Yield the rules for the values of one material table, such as "pin_material".
+    """Yield the rules for the values of a material, which is that of a table of the design, such as "pin_material".
 
-    Names of the rules begin with the part in the name of the table, such as "pin_yield_strength"; those of the table
-    "material" have no such prefix.
+    The yield strength is at most the tensile strength, and other values are in the ranges `PLAUSIBLE`. Names of the
+    rules begin with the part in the name of the table, such as "pin_yield_strength"; those of the table "material" have
+    no such prefix.
     """
     part = table.removesuffix("material")
     yield Rule(
@@ -82,7 +83,7 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
 
 
 def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for the core radius and the root fillet of the output pins."""
+    """Yield the rules that an output pin's core is thinner than its roller, and its fillet smaller than the pin."""
     output = reducer.design.output
     if output.rollers:
         yield Rule(
@@ -127,7 +128,7 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the cam is larger than shaft and fillet, and that the counterweight has a feasible size.
+    """Yield the rules that the cam encloses shaft and fillet, a hollow shaft has a wall, and the counterweight fits.
 
     The counterweight must be larger than the shaft, and turn inside the ring. Several discs need none.
     """
@@ -170,10 +171,10 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
-    """Yield the check that the clearances from crank to output are small compared with the teeth.
+    """Yield the check that the sum of all clearances, from crank to ring and output, is small.
 
-    The sum of the clearances is compared with eccentricity and pin radius. If it is too large, and the disc has a
-    feasible shape (`has_shape`), a second check is yielded: that the disc cannot skip a tooth.
+    The bound is `MECHANICS.max_clearance_share` times the smaller of eccentricity and pin radius. If it is exceeded,
+    and the disc has a feasible shape (`has_shape`), a second check is yielded: that the disc cannot skip a tooth.
     """
     design = reducer.design
     names = design.pair_kinds
@@ -223,7 +224,7 @@ def _backlashes(reducer: Reducer) -> Iterator[float]:
 
 
 def _check_tooth_skip(reducer: Reducer) -> Check:
-    """Check that the disc cannot skip a tooth: the total backlash must be less than half a lobe.
+    """Return the check that the disc cannot skip a tooth: the total backlash must be less than half a lobe.
 
     The remedy reduces all clearances by a common factor.
     """

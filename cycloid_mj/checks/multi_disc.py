@@ -11,7 +11,7 @@ MAX_OUTPUT_PINS = 100
 
 
 def disc_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check that all discs of a drive can be made as one identical part; none for a single disc.
+    """Yield the check that all discs of a drive can be manufactured as the same part; none for a single disc.
 
     With n output pins and L lobes, n / gcd(n, L) must be a multiple of the number of discs, see `are_discs_identical`.
     A failure is a warning; its remedy is the next larger number of output pins that passes, up to `MAX_OUTPUT_PINS`.

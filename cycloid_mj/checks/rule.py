@@ -74,7 +74,7 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 
 
 def _evaluate_rule(reducer: Reducer, rule: Rule) -> Check:
-    """Evaluate a design rule on a reducer; return its check with value, limit and remedy.
+    """Evaluate a design `rule` on a reducer; return its check with value, limit and remedy.
 
     A rule that warns may have a second rule `failure` with a wider limit. If that is violated too, the check of the
     second rule, which is an error, is returned instead, with the remedy of `rule`.

@@ -15,7 +15,11 @@ from cycloid_mj.reducer import RvReducer
 
 
 def rv_checks(reducer: RvReducer) -> Iterator[Check]:
-    """Yield the checks that an RV reducer can be assembled and turned: walls, planets, dead points and bearings."""
+    """Yield the checks that an RV reducer can be assembled and turned.
+
+    They are about the teeth of disc and ring, the mesh of the planets, dead points, walls, flanges, posts and
+    materials.
+    """
     return evaluate(
         reducer,
         chain(
@@ -38,7 +42,7 @@ def _all_material_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
 
 
 def _check_planet_mesh(reducer: RvReducer) -> Check:
-    """Check that identical planets at equal angles mesh with the sun: their number divides z_s + z_p.
+    """Return the check that identical planets at equal angles mesh with the sun: their number divides z_s + z_p.
 
     z_s and z_p are the numbers of teeth of the sun and of a planet.
     """
@@ -60,7 +64,7 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
 
 
 def _check_dead_points(reducer: RvReducer) -> Check:
-    """Check that the cranks do not all pass a dead point at the same time, as two cranks and a single disc do.
+    """Return the check that the cranks do not all pass a dead point at once, as two cranks and a single disc do.
 
     At a dead point the eccentrics line up, and the disc cannot keep the cranks in phase. A failure is a warning.
     """
@@ -81,7 +85,7 @@ def _check_dead_points(reducer: RvReducer) -> Check:
 
 
 def _check_crank_circle(reducer: RvReducer) -> Check:
-    """Check that the crank axes are at the centre distance of sun and planet, within half a module."""
+    """Return the check that the crank axes are at the centre distance of sun and planet, within half a module."""
     planet, radius = reducer.planet, reducer.crank_radius
     centre_distance = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
     is_passed = abs(radius - centre_distance) <= 0.5 * planet.module
@@ -98,7 +102,7 @@ def _check_crank_circle(reducer: RvReducer) -> Check:
 
 
 def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
-    """Yield the checks that the teeth of sun and planets are neither undercut by the rack nor pointed."""
+    """Yield the checks that the teeth of sun and planets are neither undercut by the cutting rack nor pointed."""
     for name, gear in zip(("sun", "planet"), reducer.stage_gears, strict=True):
         yield Check(
             name=f"{name}_teeth",
@@ -114,7 +118,7 @@ def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
 
 
 def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
-    """Yield the rules for the walls of a disc: between roots, crank bores, central bore and windows."""
+    """Yield the rules for the walls of a disc between the roots of its lobes, crank bores, middle hole and windows."""
     design, cranks = reducer.design, reducer.cranks
     E, crank_circle, bore_radius = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
     root_radius = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
@@ -171,7 +175,11 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
 
 
 def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
-    """Yield the rules that tapered bearings, posts, journals and planets have room in and next to the flanges."""
+    """Yield the rules on the space for the parts in and next to the flanges.
+
+    The tapered bearings stay clear of the posts and enclose the journals, the eccentrics enclose their axes, bearings
+    and posts stay inside of the ring pins, journals inside of the planets' roots, and the planets clear of each other.
+    """
     cranks, crank_circle, post_circle = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
     crank_post_distance = math.sqrt(
         crank_circle**2 + post_circle**2 - 2.0 * crank_circle * post_circle * math.cos(math.pi / cranks.count)

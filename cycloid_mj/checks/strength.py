@@ -194,7 +194,7 @@ def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], all
 
 
 def _check_load_sharing(loads: RatedLoad) -> Check:
-    """Check the largest tooth force over the largest force under ideal load sharing, at the nominal torque.
+    """Return the check of the largest tooth force over that of ideal load sharing [1], at the nominal torque.
 
     The remedy reduces all clearances by a common factor, which bisection determines. If no factor is small enough, the
     remedy is a stiffer cam, in words.
@@ -241,7 +241,7 @@ def _load_sharing_clearances(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _check_pressure_angle(loads: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces, weighted by force, at the nominal torque.
+    """Return the check of the mean pressure angle of the tooth forces, weighted by force, at the nominal torque.
 
     `loads` are those in static equilibrium. The remedy is a larger eccentricity, with output holes that are larger by
     the same amount. Bisection determines it between its present value and the largest possible value, at which the path
@@ -338,7 +338,7 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on: thickness, and force and diameter of the pin."""
+    """Return the walls of disc and housing that pins press on, each with its thickness [m] and strength ratio [1]."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole_radius = output.hole_radius + design.clearance.output
@@ -368,7 +368,7 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 
 
 def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin breaks through its wall by tension or shear, at the nominal torque.
+    """Return the check that no pin breaks through its wall by tension or shear, at the nominal torque.
 
     `loads` are those in static equilibrium. The remedies are a wider disc, or a material with a higher yield strength.
     """

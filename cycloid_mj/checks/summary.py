@@ -61,7 +61,7 @@ class Summary:
 
 
 def summarize(reducer: Reducer) -> Summary:
-    """Summarize a design that can be built: ratio, loads, pressures and sizes.
+    """Return the `Summary` of a design that can be built: ratio, size, mass, loads and backlash at the nominal torque.
 
     Raises
     ------

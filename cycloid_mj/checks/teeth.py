@@ -34,8 +34,10 @@ WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighb
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other.
 
-    If the path of the pins in the disc has loops, the rules that require a path without loops are left out. In texts, N
-    are the ring teeth, c is the eccentricity, E the pin-circle radius and rho the pin radius.
+    They are, as far as they apply: no loops in the path of the pins in the disc, no undercut, walls between the
+    sockets, a core pin in each sleeve, pins thicker than the eccentricity, sockets that support them, and the wall of
+    the housing. With loops, undercut and support of the sockets are left out. In texts, N are the ring teeth, c is the
+    eccentricity, E the pin-circle radius and rho the pin radius.
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
@@ -211,10 +213,11 @@ def circles_on_circle(half_pitch_share: float) -> float:
 
 
 def _find_decreasing_root(function: Callable[[float], float], high: float) -> float:
-    """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; 0 if there is none.
+    """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; return 0 if there is none.
 
-    The lower end of the last interval is returned, where the function is positive; if the function is positive
-    everywhere, the result is `high` to rounding. A root below 1e-12 of `high` counts as none.
+    Argument and `high` have any common unit. The result is the lower end of the last interval, where the function is
+    positive; if the function is positive everywhere, the result is `high` to rounding. A root below 1e-12 of `high`
+    counts as none.
     """
     low, min_root = 0.0, 1e-12 * high
     while max(low, min_root) < (midpoint := (low + high) / 2) < high:
