@@ -156,9 +156,9 @@ def phase_cosine(px: float, py: float, x: float, y: float) -> float:
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
     """Interpolate the friction coefficient [1] of a lubricated contact in a table, bilinearly in phase and log force.
 
-    `table` is the memory address of the table (`film_table`), and `kind` the row of the contact. `cosine` is the cosine
-    of the phase of the contact's pin, the angle between the directions of the pin and of the disc's centre. `force` is
-    the normal force [N]; outside of the table, the coefficient is that of the nearest force in it.
+    `table` is the memory address of the table (`film_table`), and `kind` the row of the contact. `cosine` is that of
+    the phase of the contact's pin: the angle between the directions of the pin and of the disc's centre. `force` is the
+    normal force [N]; outside of the table, the coefficient is that of the nearest force in it.
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP

@@ -135,8 +135,8 @@ def lowest_log_rate(reducer: Reducer) -> float:
 def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
     """Return the warnings about accuracy that depend on the design's speed; empty for a crank at rest.
 
-    They are about too few time steps or samples from tooth to tooth, and about parts that slide too slowly for fully
-    developed friction. `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
+    They are those of time steps and log samples per tooth, and `creep_warning`. `min_steps` is the number of time steps
+    from tooth to tooth that the solver of the run needs.
     """
     if not (tooth_rate := tooth_passing_rate(reducer)):
         return ()
@@ -148,9 +148,9 @@ def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_to
 
 
 def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iterator[str]:
-    """Yield a warning if there are too few time steps from tooth to tooth.
+    """Yield a warning if fewer than `min_steps` time steps pass from tooth to tooth.
 
-    `tooth_rate` is the tooth passing frequency [Hz], `min_steps` the number of steps that the solver needs.
+    `tooth_rate` is the tooth passing frequency [Hz].
     """
     timestep_s, max_step = timestep(reducer), passing_limit(reducer, min_steps)
     if timestep_s > max_step * (1.0 + ROUNDING):
@@ -164,9 +164,9 @@ def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iter
 
 
 def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
-    """Yield a warning if there are too few log samples per tooth; a log has at most one sample per step.
+    """Yield a warning if a tooth passes in fewer than `LIMITS.min_samples_per_tooth` log samples.
 
-    `tooth_rate` is the tooth passing frequency [Hz].
+    A log has at most one sample per step. `tooth_rate` is the tooth passing frequency [Hz].
     """
     design = reducer.design
     rate, min_rate = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * tooth_rate
@@ -179,9 +179,9 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
 
 
 def creep_warning(reducer: Reducer) -> Iterator[str]:
-    """Yield a warning if parts slide too slowly for fully developed friction, so that losses are too low.
+    """Yield a warning if parts slide so slowly that friction below its Coulomb limit makes the losses too low.
 
-    The condition is that the loss which is missing exceeds the fraction `LIMITS.max_missing_loss` of the output power.
+    The condition is that the missing loss exceeds the fraction `LIMITS.max_missing_loss` of the output power.
     """
     missing_share, missing_loss = missing_friction(reducer)
     if missing_loss > LIMITS.max_missing_loss:
@@ -193,7 +193,7 @@ def creep_warning(reducer: Reducer) -> Iterator[str]:
 
 
 def joint_creep_warning(runs: Mapping[str, Reducer]) -> Iterator[str]:
-    """Yield one common warning for all runs in which parts slide too slowly for full friction, if there are any.
+    """Yield one common `creep_warning` for all runs to which it applies, with their names; nothing if there are none.
 
     `runs` maps the name of each run to its reducer.
     """
@@ -233,7 +233,11 @@ def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
 
 
 def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, timestep_s: float) -> Iterator[str]:
-    """Yield a warning if a `kind` of pair with the contact `law` is too stiff for the time step `timestep_s` [s]."""
+    """Yield a warning if K dt^2/m of a kind of pair exceeds its limit (`max_stiffness_ratio`).
+
+    `kind` is the kind of pair and `law` its contact law, with the stiffness K and the effective mass m; `timestep_s` is
+    the time step dt [s].
+    """
     max_ratio, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, timestep_s)
     if ratio > max_ratio * (1.0 + ROUNDING):
         max_step = timestep_s * math.sqrt(max_ratio / ratio)
@@ -245,10 +249,10 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 
 
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if MuJoCo's friction is so far ahead of the sliding velocity that losses are too low.
+    """Yield a warning if MuJoCo's friction leads the sliding velocity by more than `LIMITS.max_friction_lead`.
 
     `model` is the compiled model. On an orbiting disc, the direction of friction leads that of the sliding velocity by
-    an angle (`friction_leads`). The warning names the kind of pair with the largest angle.
+    an angle, whose tangent is limited (`friction_leads`). The warning names the kind of pair with the largest angle.
     """
     lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
     kind = max(lead_by_kind, key=lambda pair_kind: lead_by_kind[pair_kind], default="")
@@ -275,9 +279,10 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
 
 
 def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if the discs' circular orbit is too fast for the time step.
+    """Yield a warning if the time step is too long for the circular orbit of the discs.
 
-    It applies to models with exact profiles and a moving crank.
+    The limits are `circling_limit`, and a `friction_lag` of `LIMITS.max_friction_lag`. They apply to models with exact
+    profiles and a moving crank.
     """
     kind, timestep_s = reducer.design.tooth_pair, float(model.model.opt.timestep)
     if kind not in model.laws or not model.model.nuser_geom or not reducer.design.drive.speed:
@@ -294,10 +299,10 @@ def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 
 
 def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
-    """Yield a warning if the clearance of a kind of pair is below the rounding error of the gap computation.
+    """Yield a warning if the clearance of a `kind` of pair, such as ``cam``, is at the rounding error of computed gaps.
 
-    That error is in proportion to the pin circle radius. `kind` is a kind of mating pair, such as ``cam``; there is no
-    warning for kinds without a clearance in the design.
+    The limit is the pin-circle radius times `LIMITS.min_clearance_share`. Kinds without a clearance in the design have
+    no warning.
     """
     min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind, min_clearance)  # that of springs may be any
@@ -309,12 +314,13 @@ def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
 
 
 def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
-    """Yield a warning for each kind of contact whose added mass MuJoCo's minimum impedance increases noticeably.
+    """Yield a warning for each kind of contact whose added mass MuJoCo's minimum impedance raises by over 1 %.
 
     The added mass is the inverse 1/R [kg] of MuJoCo's regularisation R of a contact: the contact acts as if it had this
-    mass. MuJoCo limits its impedance to `MIN_IMPEDANCE`, and so the added mass to a share of the mass of both bodies.
-    The first pair of mating surfaces of each kind is evaluated. `compiled` is the compiled model. Only models with
-    contacts of exact profiles are evaluated, not those with contacts of meshes.
+    mass. Its impedance is at least `MIN_IMPEDANCE`, and so the added mass at least a share of the mass of both bodies.
+    The increase counts relative to the effective mass (`LIMITS.max_raised_mass`). The first pair of mating surfaces of
+    each kind is evaluated. `compiled` is the compiled model. Only models with contacts of exact profiles are evaluated,
+    not those with contacts of meshes.
     """
     model = compiled.model
     # only geoms of exact profiles have user data; `pair.on` and `pair.by` are the geoms of a pair

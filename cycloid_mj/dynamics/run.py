@@ -403,26 +403,11 @@ def blocks(
 def _advance_block(
     plan: Schedule, cycle: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
-    """Take the time steps of some consecutive samples of a run, up to and including the last sample.
+    """Take the time steps of the consecutive `samples` of a run; return the samples, and the problem that ended it.
 
-    Parameters
-    ----------
-    plan
-        Numbers of steps and samples of the run.
-    cycle
-        Commands of crank and output.
-    samples
-        Indices of the samples.
-    recorder
-        Takes and checks the samples.
-    samples_per_call
-        Number of samples that are taken in one call of compiled code.
-
-    Returns
-    -------
-    tuple
-        The samples up to and including the first that fails a check, and the problem that ended the run there ("" if
-        all samples pass).
+    The problem is "" if all samples pass their checks; otherwise the samples end with the first that fails. `plan` has
+    the numbers of steps and samples of the run, `cycle` the commands of crank and output, and `samples` are indices.
+    The `recorder` takes and checks the samples, `samples_per_call` of them in one call of compiled code.
     """
     first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)

@@ -157,10 +157,11 @@ def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]
 
 
 def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) -> float:
-    """Return the upper limit of K dt^2/m [1], with stiffness K, time step dt and effective mass m of a contact.
+    """Return the upper limit of K dt^2/m [1] at which results are valid: one of four values in `SETTINGS`.
 
-    `kind` is a kind of pair in the design, such as ``pin_gear`` or ``cam``. `must_follow` is whether the step has to
-    resolve the oscillation of pins that can move.
+    K is the stiffness and m the effective mass of a contact, and dt the time step. `kind` is a kind of pair in the
+    design, such as ``pin_gear`` or ``cam``. The limit is larger where `may_settle` is true, unless `must_follow` is
+    set. It also differs for seats of moving pins, with and without a load.
     """
     design = reducer.design
     if may_settle(reducer, kind) and not must_follow:

@@ -300,18 +300,10 @@ def _summarize_sliding(
 ) -> Sliding:
     """Summarize sliding over a turn: power F v [W], largest pressure times speed p v [Pa m/s] and mean speed [m/s].
 
-    F v is normal force times sliding speed of all contacts of a kind of pair. p is the pressure on the projected area.
-
-    Parameters
-    ----------
-    kind
-        Kind of mating pair, which determines the length of the contacts.
-    force, speed
-        Normal forces [N] and sliding speeds [m/s] at m crank angles and n contacts, shape (m, n).
-    radius
-        Radius of the pins [m].
-    line_power
-        Largest force times sliding speed per length of surface [W/m], which is stored in the result.
+    F v is normal force times sliding speed of all contacts of a `kind` of pair. p is the pressure on the projected
+    area, which follows from the `radius` of the pins [m] and the length of the contacts of the kind. `force` [N] and
+    `speed` [m/s] have the shape (m, n) for n contacts at m crank angles. `line_power`, the largest force times sliding
+    speed per length of surface [W/m], is stored in the result.
     """
     power, is_loaded = force * speed, force > 0.0
     return Sliding(
@@ -325,19 +317,11 @@ def _summarize_sliding(
 def _largest_line_power(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
     """Compute the time average of force times sliding speed per length of a surface [W/m], in its most loaded sector.
 
-    A surface has `SECTORS` equal sectors in a turn.
-
-    Parameters
-    ----------
-    power
-        Force times sliding speed of n contacts at m crank angles [W], shape (m, n).
-    angle
-        Position of each contact on its surface [rad], shape (m, n); equal surfaces are superposed.
-    lengths
-        Length of all these surfaces together in each sector [m], shape (SECTORS,).
-    passes_evenly
-        Whether each contact passes through all angles at constant speed, so that it spends equal times in all sectors;
-        otherwise these times are counted from the crank angles.
+    A surface has `SECTORS` equal sectors in a turn, and `lengths` (SECTORS,) [m] are the lengths of all equal surfaces
+    together in each. `power` [W] is force times sliding speed of n contacts at m crank angles, and `angle` [rad] the
+    position of each contact on its surface, both of shape (m, n). With `passes_evenly`, each contact spends equal times
+    in all sectors, because it passes through all angles at constant speed; otherwise times are counted from crank
+    angles.
     """
     sector_mean, sector_sum = sector_means(power, angle)
     sector_power = sector_mean * power.shape[1] / SECTORS if passes_evenly else sector_sum / len(power)

@@ -184,20 +184,10 @@ def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...
 
 
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
+    """Compute the radial forces on the inner and the outer bearing of the output's hub [N] at m angles, (m, 2) each.
 
-    They are in equilibrium with the forces of the discs on the output, and that of the shaft if it has a bearing in the
-    hub.
-
-    Returns
-    -------
-    tuple of Array
-        Forces on the inner and on the outer bearing [N], shape (m, 2) each.
-
-    Raises
-    ------
-    DesignError
-        The covers do not fit.
+    They are in equilibrium with the forces of the discs on the output in `loading`, and that of the shaft if it has a
+    bearing in the hub. Raises DesignError if the covers do not fit.
     """
     return _output_planes(reducer, loading).reactions_at(*casing(reducer).load_centres)
 

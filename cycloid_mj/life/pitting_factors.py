@@ -111,14 +111,8 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
 def mean_speed_and_radius(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
     """Return the mean entrainment speed [m/s] and the reduced radius [m] of tooth contacts, weighted by their forces.
 
-    The radius is the inverse of the mean curvature.
-
-    Parameters
-    ----------
-    rolls
-        Whether the pin of each contact rolls on the disc, so that it slides in its seat.
-    surfaces, force
-        Surfaces of the contacts, and their normal forces [N]; all of one shape.
+    The radius is the inverse of the mean curvature. `rolls` is true for contacts whose pin rolls on the disc and slides
+    in its seat. `surfaces` are those of the contacts, and `force` [N] their normal forces; all have one shape.
     """
     speed = np.where(rolls, np.abs(surfaces.flank.moving), np.abs(surfaces.flank.entrainment))
     return float(np.average(speed, weights=force)), 1.0 / float(np.average(1.0 / surfaces.radius, weights=force))

@@ -151,24 +151,11 @@ def _next_in_bracket(low: float, high: float) -> float:
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Extrapolate the output torque at which the first of several rated items reaches its limit; return the item, too.
+    """Extrapolate the output torque [N m] at which the first of several rated items reaches its limit; return both.
 
-    An item is a part with a kind of failure. Loads are assumed to be in proportion to the torque (docs/rating.md). Far
-    from the torque at which the items were rated, the result is an estimate.
-
-    Parameters
-    ----------
-    items
-        Items that were rated at `torque` [N m].
-    torque
-        Output torque of the rating [N m].
-    life
-        Required life [h].
-
-    Returns
-    -------
-    tuple
-        The torque [N m], and the item that limits it.
+    An item is a part with a kind of failure; `items` were rated at the output `torque` [N m] for the required `life`
+    [h]. Loads are assumed to be in proportion to the torque (docs/rating.md). Far from the torque at which the items
+    were rated, the result is an estimate.
     """
     limits = ((_extrapolate_item_limit(item, torque, life), item) for item in items)
     return min(limits, key=lambda pair: pair[0])

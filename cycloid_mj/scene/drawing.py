@@ -252,8 +252,6 @@ def measure_mesh(reducer: Reducer, poses_by_part: Mapping[str, Array], crank: Ar
 
     Parameters
     ----------
-    reducer
-        The reducer.
     poses_by_part
         x [m], y [m] and angle [rad] of each part by name in the frame of the ring, shape (n, 3), as of `poses`.
     crank

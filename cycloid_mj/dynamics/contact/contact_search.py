@@ -355,19 +355,10 @@ def _root_stiffness_factor(profile: Teeth, arc_radius: float, minimum: Minimum) 
 def _contact_separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
     """Compute how far the contacts on arc and root of a lobe are apart, from 0 (one patch) to 1 (two patches) [1].
 
-    It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth under working
-    force (``profile.deflection``), and clipped to this range.
-
-    Parameters
-    ----------
-    profile, arc_radius
-        Teeth of the disc, and radius of the lobe's arc [m].
-    gear
-        Pose of the teeth in the frame of the root's lobe.
-    phase
-        Phase midway between both contacts [rad].
-    larger_gap
-        Larger gap of the two contacts [m].
+    It is the gap midway between both contacts minus `larger_gap` [m], the larger gap of the two, divided by the
+    deflection of the teeth under working force (``profile.deflection``), and clipped to this range. `profile` are the
+    teeth of the disc, `arc_radius` [m] is the radius of the lobe's arc, `gear` the pose of the teeth in the frame of
+    the root's lobe, and `phase` [rad] that of the root midway between both contacts.
     """
     x, y, _, _, _ = offset_root(phase, profile.ring)
     x_in_gear, y_in_gear = inwards(gear, x - gear.x, y - gear.y)

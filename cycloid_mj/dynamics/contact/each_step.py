@@ -471,14 +471,14 @@ def _update_peaks(run: StepState) -> None:
     """Update the peak normal force of each mating pair [N] in the state `run` with the pair's force in this step."""
     contacts_address, forces = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
-    for i in range(count):
-        contact = contacts_address + run.stride * i
+    for contact_index in range(count):
+        contact = contacts_address + run.stride * contact_index
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair >= 0 and row >= 0:
             address = run.sum + 8 * pair
             write_float(address, read_float(address) + read_float(forces + 8 * row))
-    for i in range(count):
-        pair = abs(pair_of(run, contacts_address + run.stride * i)) - 1
+    for contact_index in range(count):
+        pair = abs(pair_of(run, contacts_address + run.stride * contact_index)) - 1
         if pair >= 0:
             address = run.peak + 8 * pair
             write_float(address, max(read_float(address), read_float(run.sum + 8 * pair)))
@@ -494,27 +494,27 @@ def _write_sample(run: StepState) -> None:
     """
     address = run.rows
     run.rows += run.width
-    for k in range(run.source_count):
-        write_float(address, read_float(read_address(run.sources + 8 * k)))
+    for source in range(run.source_count):
+        write_float(address, read_float(read_address(run.sources + 8 * source)))
         address += 8
     summary, pair_table = address, address + 8 * sample_layout.OF_SOLVER
-    for k in range(run.pairs):
-        peak_address = pair_table + 8 * (sample_layout.OF_PAIR * k + sample_layout.PEAK_FORCE)
-        write_float(peak_address, read_float(run.peak + 8 * k))
-        write_float(run.peak + 8 * k, 0.0)
+    for pair in range(run.pairs):
+        peak_address = pair_table + 8 * (sample_layout.OF_PAIR * pair + sample_layout.PEAK_FORCE)
+        write_float(peak_address, read_float(run.peak + 8 * pair))
+        write_float(run.peak + 8 * pair, 0.0)
     sum_contacts(run, summary, pair_table)
     iterations, acceleration_sum, warnings = 0, 0.0, 0
-    for k in range(run.islands):
-        iterations = max(iterations, read_int(run.solver_niter + 4 * k))
-    for k in range(run.nv):
-        acceleration_sum += read_float(run.qacc + 8 * k)
-    for k in range(run.warning_kinds):
-        warnings += read_int(run.warning_number + run.warning_stride * k)
+    for island in range(run.islands):
+        iterations = max(iterations, read_int(run.solver_niter + 4 * island))
+    for dof in range(run.nv):
+        acceleration_sum += read_float(run.qacc + 8 * dof)
+    for kind in range(run.warning_kinds):
+        warnings += read_int(run.warning_number + run.warning_stride * kind)
     write_float(summary + 8 * sample_layout.ITERATIONS, float(iterations))
     write_float(summary + 8 * sample_layout.ACCELERATION_SUM, acceleration_sum)
     write_float(summary + 8 * sample_layout.WARNINGS, float(warnings))
     drag_powers = pair_table + 8 * sample_layout.OF_PAIR * run.pairs
-    for k in range(run.drag_count):
-        offset = 8 * read_int(run.drags + 4 * k)
+    for drag in range(run.drag_count):
+        offset = 8 * read_int(run.drags + 4 * drag)
         force, speed = read_float(read_address(run.efc_force) + offset), read_float(read_address(run.efc_vel) + offset)
-        write_float(drag_powers + 8 * k, -force * speed)
+        write_float(drag_powers + 8 * drag, -force * speed)

@@ -117,8 +117,8 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     """
     contacts_address, forces_address = read_address(state.contact), read_address(state.efc_force)
     active_contacts, max_depth, largest_force = 0, 0.0, 0.0
-    for i in range(read_int(state.ncon)):
-        contact = contacts_address + state.stride * i
+    for contact_index in range(read_int(state.ncon)):
+        contact = contacts_address + state.stride * contact_index
         max_depth = max(max_depth, _compute_penetration(state, contact))
         number, row = pair_of(state, contact), read_int(contact + state.efc_address)
         if number == 0 or row < 0:

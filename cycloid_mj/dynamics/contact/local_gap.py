@@ -44,10 +44,7 @@ class Start(NamedTuple):
 def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, float]:
     """Compute sine and cosine of `factor` times an angle, for an integer `factor`, by repeated doubling.
 
-    Returns
-    -------
-    tuple of float
-        Sine and cosine.
+    `sine` and `cosine` are those of the angle.
     """
     multiple_sine, multiple_cosine = 0.0, 1.0
     while factor > 0:

@@ -101,15 +101,15 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
         read_address(data + layout.efc_aref),
     )
     contacts_address, half_timestep = read_address(data + layout.contact), read_float(run.half_timestep)
-    for i in range(read_int(data + layout.ncon)):
-        row = read_int(contacts_address + layout.stride * i + layout.efc_address)
+    for contact_index in range(read_int(data + layout.ncon)):
+        row = read_int(contacts_address + layout.stride * contact_index + layout.efc_address)
         if row >= 0:
             share = 1.0 - half_timestep * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
             write_float(reference, read_float(reference) + share * read_float(products + 8 * row))
     _multiply_orbit(layout, model, data, run, True)
-    for i in range(read_int(data + layout.ncon)):
-        row = read_int(contacts_address + layout.stride * i + layout.efc_address)
+    for contact_index in range(read_int(data + layout.ncon)):
+        row = read_int(contacts_address + layout.stride * contact_index + layout.efc_address)
         if row >= 0:
             damping, reference = read_float(constants + 32 * row + 8), references + 8 * row
             write_float(reference, read_float(reference) - damping * read_float(products + 8 * row))
@@ -153,8 +153,8 @@ def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))
-    for i in range(read_int(data + layout.ncon)):
-        contact = contacts_address + layout.stride * i
+    for contact_index in range(read_int(data + layout.ncon)):
+        contact = contacts_address + layout.stride * contact_index
         row = read_int(contact + layout.efc_address)
         if row < 0 or read_int(contact + layout.dim) != _FRICTIONAL:
             continue

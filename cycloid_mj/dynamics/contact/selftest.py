@@ -177,10 +177,10 @@ def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, 
     """
     weights = {"light": TEST.gravity, "heavy": 3.0 * TEST.gravity}
     balls = "".join(
-        f'<body pos="{i} 0.1 0"><joint type="slide" axis="0 1 0"/>'
+        f'<body pos="{ball} 0.1 0"><joint type="slide" axis="0 1 0"/>'
         f'<geom name="{name}" type="sphere" size="0.1" mass="{weights[name] / TEST.gravity}" condim="1" '
         f"{_SOFT}/></body>"
-        for i, name in enumerate(weights)
+        for ball, name in enumerate(weights)
     )
     spec = mujoco.MjSpec.from_string(
         f"<mujoco>{OPTION}<worldbody>"

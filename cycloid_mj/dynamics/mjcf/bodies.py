@@ -64,19 +64,19 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
             )
     for surfaces in reducer.mechanism.surfaces:
         centre_z, half_width = axial_extent(reducer, surfaces)
-        for i, name in enumerate(surfaces.names):
-            spec.body(surfaces.bodies[i]).add_geom(
+        for index, name in enumerate(surfaces.names):
+            spec.body(surfaces.bodies[index]).add_geom(
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-                size=[surfaces.radius[i], half_width, 0.0],
-                pos=mujoco_position(surfaces.position[i], centre_z - planes[surfaces.bodies[i]]),
+                size=[surfaces.radius[index], half_width, 0.0],
+                pos=mujoco_position(surfaces.position[index], centre_z - planes[surfaces.bodies[index]]),
                 priority=int(surfaces.role),
                 group=CONTACT_GROUP,
                 contype=0,
                 conaffinity=0,
                 mass=0.0,
                 rgba=[0.9, 0.4, 0.2, 0.3],
-                **collider_attributes(reducer, surfaces, i),
+                **collider_attributes(reducer, surfaces, index),
             )
 
 

@@ -356,24 +356,12 @@ def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
 
 
 def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Return MuJoCo's collision bits of a slice of a surface, or of the convex hull of a whole tooth tip or lobe tip.
+    """Return MuJoCo's contype and conaffinity of a slice of a surface, or of the convex hull of a tooth or lobe tip.
 
     Tips of the gear collide with the roots of an internal gear, its valleys do not. The hull of a lobe's tip collides
     with objects outside the reducer only: for the gear, the capsule with the arc of the lobe is exact and quicker.
-
-    Parameters
-    ----------
-    surface
-        ``teeth``, ``lobe``, ``socket``, ``bore`` or ``hole``.
-    width
-        Width of the slice [m]; infinite for a hull.
-    disc
-        Index of the disc.
-
-    Returns
-    -------
-    tuple of int
-        contype and conaffinity.
+    `surface` is ``teeth``, ``lobe``, ``socket``, ``bore`` or ``hole``, `width` [m] that of the slice, infinite for a
+    hull, and `disc` the index of the disc.
     """
     is_hull = not np.isfinite(width)
     if surface == "lobe":
@@ -393,14 +381,14 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
         round_parts = reducer.mechanism.mating(kind, disc).by
         centre_z, half_width = axial_extent(reducer, round_parts)
         half_length = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
-        for i, name in enumerate(round_parts.names):
-            spec.body(round_parts.bodies[i]).add_geom(
+        for index, name in enumerate(round_parts.names):
+            spec.body(round_parts.bodies[index]).add_geom(
                 collision,
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-                size=[round_parts.radius[i], half_length, 0.0],
+                size=[round_parts.radius[index], half_length, 0.0],
                 contype=bits,
-                pos=mujoco_position(round_parts.position[i], centre_z),
+                pos=mujoco_position(round_parts.position[index], centre_z),
             )
 
 

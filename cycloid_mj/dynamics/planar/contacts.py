@@ -287,9 +287,9 @@ def _find_lobe_contacts(
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
     `system` is the reducer as arrays, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and the
-    first lobe, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v` are the
-    coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of the time
-    step [s].
+    first lobe, `ring` the pose of the ring, `address` the memory address of the `scratch` of `find_contacts`. `q` and
+    `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half
+    of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
@@ -378,9 +378,9 @@ def _find_seat_contacts(
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
     `system` is the reducer as arrays. `pair` is the index of the first pin's pair, `plane` that of the disc in whose
-    plane the contacts are, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v`
-    are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of
-    the time step [s].
+    plane the contacts are, `ring` the pose of the ring, `address` the memory address of the `scratch` of
+    `find_contacts`. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s,
+    rad/s], `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for seat in range(len(system.ring_centres)):
@@ -411,8 +411,8 @@ def _largest_force_phase_cosine(contacts: Contacts, count: int, pin_unknown: int
     those with discs, in this plane are considered.
     """
     largest_force, cosine = -1.0, 1.0
-    for i in range(count):
-        contact = contacts[i]
+    for contact_index in range(count):
+        contact = contacts[contact_index]
         is_same = contact.pin == pin_unknown and contact.pin_shift == shift
         if is_same and contact.disc >= 0 and contact.normal_force > largest_force:
             largest_force, cosine = contact.normal_force, contact.cosine
@@ -424,8 +424,8 @@ def set_film_friction(system: System, contact: Contact, kind: int, cosine: float
     """Set friction coefficient and state (sticking, sliding) of a contact by the friction law ``film`` (lubricated).
 
     Nothing is changed with the law ``coulomb``. `system` is the reducer as arrays. `kind` is the row of the contact in
-    the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`), and `v` are the speeds of all
-    coordinates, shape (unknowns,).
+    the film table, `cosine` the cosine of the angle between the directions of its pin and of the disc's centre, and `v`
+    are the speeds of all coordinates, shape (unknowns,).
     """
     if system.film.size == 0:
         return
@@ -518,14 +518,15 @@ def _find_round_contacts(
     inner, outer
         The inner circle and the outer circle or arc.
     kind, cosine
-        Row of the pair in the table of lubricated friction, and cosine of the phase of its pin.
+        Row of the pair in the table of lubricated friction, and cosine of the angle between the directions of its ring
+        pin and of the disc's centre, 1 for other pairs.
     address
-        Address of the working memory.
+        Memory address of the `scratch` of `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
-    for i in range(count):
-        touch, contact = read_touch(address + STRIDE * i), contacts[first_contact + i]
+    for contact_index in range(count):
+        touch, contact = read_touch(address + STRIDE * contact_index), contacts[first_contact + contact_index]
         _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
         set_film_friction(system, contact, kind, cosine, v)
         distance = math.sqrt(dx * dx + dy * dy)
@@ -606,16 +607,16 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
 
 @njit
 def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
-    """Compute the normal force of a contact law, and its derivative with respect to the speed; it may be negative.
+    """Compute the normal force of a contact law at a gap and a speed, with its slope; the force may be negative.
 
-    `gap` [m] is negative in contact, `factor` [1] multiplies the stiffness of a line contact, `speed` [m/s] along the
-    normal is positive where the gap opens.
+    `law` is a record of `LAW`. `gap` [m] is negative in contact, `factor` [1] multiplies the stiffness of a line
+    contact, and `speed` [m/s] along the normal is positive where the gap opens.
 
     Returns
     -------
     tuple of float
-        Force [N]; its decrease per change of the speed [N s/m], which also changes the gap in the time `half_step` [s];
-        and damping [N s/m].
+        Force [N]; its decrease per increase of the speed [N s/m], if that also opens the gap for the time `half_step`
+        [s]; and damping [N s/m].
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor

@@ -139,8 +139,8 @@ def solve_step(
         _condense_pins(system, equations)
         solve_linear(equations.matrix, equations.rhs, equations.rhs, 0.0)
         size = len(equations.rhs)
-        for i in range(size):
-            v[i] = equations.rhs[i]
+        for unknown in range(size):
+            v[unknown] = equations.rhs[unknown]
         _recover_pins(equations, v)
         if not _update_states(
             system, contacts, count, equations, predicted, v, 0.5 * timestep, change_all, couple_friction
@@ -471,7 +471,8 @@ def _add_force_derivative(
 
     It is a block of shape (3, 3) whose first element is at `row` and `column`. `loaded_body` and `moving_body` are the
     lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
-    function of the speeds. Rows and columns of x and y are displaced by `row_shift` and `column_shift`.
+    function of the speeds. Rows and columns of x and y are `row_shift` and `column_shift` further on, those of the
+    rotations are not.
     """
     for i in range(3):
         normal_term, creep_term, roll_term = (
@@ -500,13 +501,13 @@ def _couple_shaft(
     first_column: int,
     shift: int,
 ) -> None:
-    """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of equations.
+    """Add the derivatives by which a contact couples a body and a shaft to two blocks of the matrix of equations.
 
     The derivative of the body's force with respect to the shaft's speed is added to the matrix `columns`, from `row` on
     at `column`. That of the shaft's torque with respect to the body's speeds is added to the matrix `rows`, at
     `shaft_row` from `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body,
     `tangent` is the contact force as a linear function of the speeds. Rows and columns of the body's x and y are
-    displaced by `shift`.
+    `shift` further on, those of its rotation are not.
     """
     for i in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[i], tangent.geometric * body.centre[i]

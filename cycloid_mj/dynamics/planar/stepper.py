@@ -216,10 +216,10 @@ def _extrapolate_speeds(motion: Motion, size: int, predicted: Array) -> None:
     `predicted` has the shape (unknowns,). The first `size` unknowns are extrapolated linearly. The others are those of
     pins; they keep their speeds.
     """
-    for i in range(len(predicted)):
-        predicted[i] = motion.midpoint[i]
-        if i < size:
-            predicted[i] += motion.midpoint[i] - motion.before[i]
+    for unknown in range(len(predicted)):
+        predicted[unknown] = motion.midpoint[unknown]
+        if unknown < size:
+            predicted[unknown] += motion.midpoint[unknown] - motion.before[unknown]
 
 
 @njit
@@ -244,10 +244,10 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
     `pin_span` [s] is the time in which forces accelerate pins to their midpoint speeds, half a step or a step.
     """
     of_pins = timestep / pin_span
-    for i in range(len(midpoint)):
-        motion.before[i], motion.midpoint[i] = motion.midpoint[i], midpoint[i]
-        motion.q[i] += timestep * midpoint[i]
-        motion.v[i] += (2.0 if i < size else of_pins) * (midpoint[i] - motion.v[i])
+    for unknown in range(len(midpoint)):
+        motion.before[unknown], motion.midpoint[unknown] = motion.midpoint[unknown], midpoint[unknown]
+        motion.q[unknown] += timestep * midpoint[unknown]
+        motion.v[unknown] += (2.0 if unknown < size else of_pins) * (midpoint[unknown] - motion.v[unknown])
 
 
 @njit
@@ -266,10 +266,10 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
         if half_step * half_step * (x * x + y * y + rim_shift * rim_shift) > tolerance * tolerance:
             return True
     planes = len(system.pin_mass)
-    for i in range(len(system.inner)):
-        tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
+    for pin in range(len(system.inner)):
+        tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[pin] - system.inner[pin])
         for plane in range(planes):
-            pin_x = size + (2 * planes + 1) * i + plane_shift(plane)
+            pin_x = size + (2 * planes + 1) * pin + plane_shift(plane)
             x, y = midpoint[pin_x] - predicted[pin_x], midpoint[pin_x + 1] - predicted[pin_x + 1]
             if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
                 return True
@@ -282,10 +282,10 @@ def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> N
 
     `count` is the number of contacts. `sums` (pairs,) is working memory, zero before and after.
     """
-    for i in range(count):
-        sums[contacts[i].pair] += contacts[i].normal_force
-    for i in range(count):
-        pair = contacts[i].pair
+    for contact_index in range(count):
+        sums[contacts[contact_index].pair] += contacts[contact_index].normal_force
+    for contact_index in range(count):
+        pair = contacts[contact_index].pair
         peak[pair] = max(peak[pair], sums[pair])
         sums[pair] = 0.0
 
@@ -320,8 +320,8 @@ def _write_sample(
         motion.peak[pair] = 0.0
     _write_contacts(contacts, count, row, solver, pairs)
     row[solver + sample_layout.ITERATIONS], row[solver + sample_layout.WARNINGS] = iterations, unconverged
-    for i in range(len(v)):
-        row[solver + sample_layout.ACCELERATION_SUM] += v[i]
+    for unknown in range(len(v)):
+        row[solver + sample_layout.ACCELERATION_SUM] += v[unknown]
     column = pairs + sample_layout.OF_PAIR * len(motion.peak)
     for shaft in (1, 0):
         limit = system.drag[shaft, 0]
@@ -379,8 +379,8 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: i
     zero before; see `sample_layout`.
     """
     active_contacts, max_depth, largest_force = 0, 0.0, 0.0
-    for i in range(count):
-        contact = contacts[i]
+    for contact_index in range(count):
+        contact = contacts[contact_index]
         max_depth = max(max_depth, -contact.gap)
         if contact.state == OPEN:
             continue
@@ -439,12 +439,12 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
     """
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0
-    for i in range(size):
-        kinetic += 0.5 * system.inertia[i] * v[i] * v[i]
+    for unknown in range(size):
+        kinetic += 0.5 * system.inertia[unknown] * v[unknown] * v[unknown]
     for body in range(0, 3 * system.bodies, 3):
         potential -= system.inertia[body] * (gx * q[body] + gy * q[body + 1])
-    for i in range(len(system.support)):
-        potential += 0.5 * system.support[i] * q[i] * q[i]
+    for unknown in range(len(system.support)):
+        potential += 0.5 * system.support[unknown] * q[unknown] * q[unknown]
     for shaft in range(2):
         angle = q[system.shafts[shaft]]
         sine, cosine = math.sin(angle), math.cos(angle)

@@ -278,9 +278,9 @@ def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     """
     ring_values = np.zeros((len(ring.names), len(RingPin._fields)))
     ring_values[:, 0] = ring.radius
-    for i in range(len(ring.names) if ring.role == Role.PIN else 0):
-        pin_values = collider_attributes(reducer, ring, i)["userdata"]
-        ring_values[i, 1 : 1 + len(pin_values)] = pin_values
+    for pin in range(len(ring.names) if ring.role == Role.PIN else 0):
+        pin_values = collider_attributes(reducer, ring, pin)["userdata"]
+        ring_values[pin, 1 : 1 + len(pin_values)] = pin_values
     return ring_values
 
 
