@@ -36,9 +36,9 @@ def pin_mass_matrix(reducer: Reducer) -> Array:
     pin = moving_masses(reducer)[names.PIN]
     if not reducer.design.has_tilting_pins:
         return np.array([[pin.mass]])
-    low, high = reducer.design.gear.disc_planes
-    tilting = float(pin.inertia[0, 0]) / (high - low) ** 2
-    return 0.25 * pin.mass + tilting * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    first_plane, last_plane = reducer.design.gear.disc_planes
+    tilting_mass = float(pin.inertia[0, 0]) / (last_plane - first_plane) ** 2
+    return 0.25 * pin.mass + tilting_mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
 def output_inertia(reducer: Reducer) -> float:
@@ -95,8 +95,8 @@ def input_inertia(reducer: Reducer) -> float:
     if isinstance(reducer, RvReducer):
         speed_ratio = reducer.orbit_speed / design.drive.speed
         return _about_axis(masses[names.SUN]) + _crank_inertia(reducer) * speed_ratio**2 + reduced_output
-    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
-    return _about_axis(masses[names.SHAFT]) + orbit + reduced_output
+    orbit_inertia = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
+    return _about_axis(masses[names.SHAFT]) + orbit_inertia + reduced_output
 
 
 def _about_axis(part: MassProperties) -> float:
@@ -109,8 +109,8 @@ def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) ->
 
     `pin` has the properties of one pin about its own centroid.
     """
-    count, orbit = reducer.design.ring.mate_count, pin.mass * reducer.design.ring.pin_circle_radius**2
-    orbit_inertia = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
+    count, polar_inertia = reducer.design.ring.mate_count, pin.mass * reducer.design.ring.pin_circle_radius**2
+    orbit_inertia = np.diag([0.5 * polar_inertia, 0.5 * polar_inertia, polar_inertia])
     return replace(
         housing,
         mass=significant(housing.mass + count * pin.mass),

@@ -31,12 +31,12 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     design = reducer.design
     gear = design.gear
     min_bore = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
-    fitting = [
+    fitting_bearings = [
         bearing
         for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_ringed_cam(reducer))
         if bearing.bore > min_bore or (design.has_one_piece_crank and bearing.bore == min_bore)
     ]
-    bearing_and_count = stock.side_by_side(fitting, gear.face_width) if gear.bearing == "rolling" else None
+    bearing_and_count = stock.side_by_side(fitting_bearings, gear.face_width) if gear.bearing == "rolling" else None
     return (
         (bearing_and_count[0], min(bearing_and_count[1], MAX_RINGED))
         if bearing_and_count and needs_ringed_cam(reducer)

@@ -114,19 +114,19 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 
 
 def _spline_knots(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Compute the flank parameters of `spans` + 1 spline knots that spread the interpolation error evenly.
+    """Compute the flank parameters of spline knots that spread the interpolation error evenly, shape (`spans` + 1,).
 
-    The first is `low`, the last `high`.
+    The first is `low`, the last `high`, in the unit of the flank's parameter.
     """
     # The error of a span of length h is proportional to h^4 r''''. In the moving frame of the curve the fourth
     # derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
     parameters = np.linspace(low, high, FIT.grid)
     arc_length, curvature = flank.arc_length(parameters), flank.curvature(parameters)
     slope = np.gradient(curvature, arc_length)
-    fourth = np.hypot(3.0 * curvature * slope, np.gradient(slope, arc_length) - curvature**3)
-    density = np.maximum(fourth, FIT.min_density * fourth.max()) ** 0.25
-    cumulative = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(arc_length))])
-    return np.interp(np.linspace(0.0, cumulative[-1], spans + 1), cumulative, parameters)
+    fourth_derivative = np.hypot(3.0 * curvature * slope, np.gradient(slope, arc_length) - curvature**3)
+    density = np.maximum(fourth_derivative, FIT.min_density * fourth_derivative.max()) ** 0.25
+    cumulative_density = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(arc_length))])
+    return np.interp(np.linspace(0.0, cumulative_density[-1], spans + 1), cumulative_density, parameters)
 
 
 def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":

@@ -15,7 +15,7 @@ def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tu
     """
     x, y = centre
     crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))
-    return [(float(low), float(high)) for low, high in zip(crossings[::2], crossings[1::2], strict=True)]
+    return [(float(y_start), float(y_end)) for y_start, y_end in zip(crossings[::2], crossings[1::2], strict=True)]
 
 
 def _rings(prism: Prism) -> tuple[Array, ...]:

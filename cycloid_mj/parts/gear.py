@@ -37,8 +37,6 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
 
     Parameters
     ----------
-    reducer
-        The reducer.
     disc
         Index of the disc, 0 next to the motor.
 

@@ -50,7 +50,7 @@ def sleeve_core_radius(reducer: Reducer) -> float:
     Raises
     ------
     DesignError
-        The wall of the sleeve is too thick.
+        The wall of the sleeve leaves no space for the pin.
     """
     design = reducer.design
     thickness, core_space = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve

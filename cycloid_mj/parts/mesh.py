@@ -56,13 +56,13 @@ def mesh(part: Prism | Solid) -> Mesh:
         An outline crosses itself or a hole, or the volume of the mesh is not that of the solid.
     """
     solid = part if isinstance(part, Solid) else Solid("prism", (part,), 1.0)
-    levels = {round(z / GRIDS.height): z for prism in solid.prisms for z in (prism.z0, prism.z1)}
+    z_of_level = {round(z / GRIDS.height): z for prism in solid.prisms for z in (prism.z0, prism.z1)}
     pieces = [_extrude(prism, solid.name) for prism in solid.prisms]
-    union = manifold3d.Manifold.batch_boolean(pieces, manifold3d.OpType.Add).to_mesh64()
-    vertices = np.array(union.vert_properties) * GRIDS.unit
-    numbers = sorted(levels)
-    vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, numbers, [levels[number] for number in numbers])
-    shape = Mesh(vertices, np.array(union.tri_verts, dtype=np.int32))
+    united_mesh = manifold3d.Manifold.batch_boolean(pieces, manifold3d.OpType.Add).to_mesh64()
+    vertices = np.array(united_mesh.vert_properties) * GRIDS.unit
+    levels = sorted(z_of_level)
+    vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, levels, [z_of_level[number] for number in levels])
+    shape = Mesh(vertices, np.array(united_mesh.tri_verts, dtype=np.int32))
     volume, expected_volume = _volume(shape), mass_properties(solid).volume
     if not abs(volume / expected_volume - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
@@ -93,8 +93,8 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
         )
     if section.num_contour() != len(rings):
         raise _contact_error(name, "")
-    low, high = (round(z / GRIDS.height) * GRIDS.height / GRIDS.unit for z in (prism.z0, prism.z1))
-    return section.extrude(high - low).translate((0.0, 0.0, low))
+    bottom, top = (round(z / GRIDS.height) * GRIDS.height / GRIDS.unit for z in (prism.z0, prism.z1))
+    return section.extrude(top - bottom).translate((0.0, 0.0, bottom))
 
 
 def _corners(rings: list[Array]) -> npt.NDArray[np.complex128]:

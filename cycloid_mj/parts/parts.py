@@ -48,8 +48,6 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
 
     Parameters
     ----------
-    reducer
-        The reducer.
     chord_error
         Largest distance of a chord from its curve [m]; by default that for mass properties.
     """

@@ -46,16 +46,10 @@ def signed_area(polygon: Array) -> float:
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Compute n points (n, 2) [m] on an arc about the origin, including both ends.
+    """Compute n points (n, 2) [m] on an arc of a `radius` [m] about the origin, including both ends.
 
-    Parameters
-    ----------
-    radius
-        Radius of the arc [m].
-    start, end
-        Polar angles from +x, counter-clockwise [rad].
-    chord_error
-        Largest distance of a chord from the arc (the sagitta) [m].
+    The ends are at the polar angles `start` and `end` [rad] from +x, counter-clockwise. Chords deviate from the arc by
+    at most `chord_error` [m].
     """
     angle = np.linspace(start, end, _count_chords(radius, end - start, chord_error) + 1)
     return radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -36,8 +36,6 @@ def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
 
     Parameters
     ----------
-    reducer
-        The reducer.
     chord_error
         Chord error of the balanced polygons [m]; by default that for mass properties.
 

@@ -62,8 +62,10 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
         ring = (ring_lobes(reducer, settings),)
     elif reducer.design.ring.has_sockets:
         ring = (pin_sockets(reducer, settings),)
-    sizes = reducer.deviations.disc_radius
-    teeth = [gear_teeth(reducer, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
+    errors = reducer.deviations.disc_radius
+    teeth = [
+        gear_teeth(reducer, settings, disc) for disc, error in enumerate(errors) if disc == 0 or error != errors[0]
+    ]
     if isinstance(reducer, RvReducer):
         return (*teeth, *ring)
     return (*teeth, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring)

@@ -95,15 +95,15 @@ def union_heights(
     seam
         Gaps up to this width are ignored [m].
     """
-    sample, low, high = _inside_intervals(points, normals, bodies, max(start, reach))
-    end = np.full(len(points), -start)
+    sample, line_start, line_end = _inside_intervals(points, normals, bodies, max(start, reach))
+    heights = np.full(len(points), -start)
     while True:
-        is_joined = low <= end[sample] + seam
-        extended_end = end.copy()
-        np.maximum.at(extended_end, sample[is_joined], high[is_joined])
-        if not (extended_end > end).any():
-            return np.minimum(end, reach)
-        end = extended_end
+        is_joined = line_start <= heights[sample] + seam
+        extended_end = heights.copy()
+        np.maximum.at(extended_end, sample[is_joined], line_end[is_joined])
+        if not (extended_end > heights).any():
+            return np.minimum(heights, reach)
+        heights = extended_end
 
 
 def surface_quality(surface: ConvexSurface) -> Quality:
@@ -115,12 +115,12 @@ def surface_quality(surface: ConvexSurface) -> Quality:
         The deviation exceeds its bound.
     """
     outlines = [placed_outline(surface, placement) for placement in surface.places]
-    start, max_height = 0.5 * surface.depth, surface.depth
-    ends = union_heights(
-        surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, max_height
+    search_depth, max_height = 0.5 * surface.depth, surface.depth
+    heights = union_heights(
+        surface.points, surface.normals, [polygon_body(outline) for outline in outlines], search_depth, max_height
     )
     area = math.fsum(area_moments(outline).area for outline in outlines)
-    quality = summarize_quality(ends, len(outlines), area / surface.strip_area - 1.0)
+    quality = summarize_quality(heights, len(outlines), area / surface.strip_area - 1.0)
     require_within(surface.name, quality, surface.overfill_bound, surface.underfill_bound)
     return quality
 
@@ -189,10 +189,10 @@ def _inside_intervals(
         plane_distance = body.offsets - points[near_points] @ body.normals.T
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = plane_distance / slope
-        low = np.where(slope < -METHOD.parallel, crossing, -np.inf).max(axis=1)
-        high = np.where(slope > METHOD.parallel, crossing, np.inf).min(axis=1)
+        line_start = np.where(slope < -METHOD.parallel, crossing, -np.inf).max(axis=1)
+        line_end = np.where(slope > METHOD.parallel, crossing, np.inf).min(axis=1)
         is_outside = ((np.abs(slope) <= METHOD.parallel) & (plane_distance < -METHOD.seam)).any(axis=1)
-        is_inside = (low <= high) & ~is_outside
-        intervals.append((near_points[is_inside], low[is_inside], high[is_inside]))
-    sample, low, high = (np.concatenate(column) for column in zip(*intervals, strict=True))
-    return sample, low, high
+        is_inside = (line_start <= line_end) & ~is_outside
+        intervals.append((near_points[is_inside], line_start[is_inside], line_end[is_inside]))
+    sample, line_start, line_end = (np.concatenate(column) for column in zip(*intervals, strict=True))
+    return sample, line_start, line_end

@@ -53,17 +53,17 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     filled, because nothing touches it.
     """
     error = settings.rest_chord_error
-    bound = settings.depth * reducer.design.ring.pin_radius
+    max_deviation = settings.depth * reducer.design.ring.pin_radius
     crank = [segment for name, segment in shaft_segments(reducer, error).items() if family(name) != SPACER]
-    shaft = [Sector("shaft", replace(segment, holes=()).prism(error), bound) for segment in crank]
+    shaft = [Sector("shaft", replace(segment, holes=()).prism(error), max_deviation) for segment in crank]
     disc, *other_prisms = output_solid(reducer, error).prisms
-    output = [Sector("output", disc, bound)]
+    output = [Sector("output", disc, max_deviation)]
     for plate in other_prisms[reducer.design.output.pins :]:
         inner, outer = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
         # so narrow that its inner arc is as good as straight
-        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / inner, 0.0)))
+        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * max_deviation / inner, 0.0)))
         wedge = Prism(_ring_sector(inner, outer, math.pi / count, error), (), plate.z0, plate.z1)
-        output.append(Sector("output", wedge, bound, count))
+        output.append(Sector("output", wedge, max_deviation, count))
     return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft, *output)
 
 
@@ -141,13 +141,13 @@ def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
         bore = ring_base(reducer, depth, chord_error=error)
     else:
         radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
-        opening = arc_half_angle(design, radius)
-        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
-        edge = math.atan2(socket[-1, 0], socket[-1, 1])
-        land_arc = _arc(wall_radius(design), edge, pitch, error)[1:]
+        half_opening = arc_half_angle(design, radius)
+        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -half_opening, half_opening, error)
+        edge_angle = math.atan2(socket[-1, 0], socket[-1, 1])
+        land_arc = _arc(wall_radius(design), edge_angle, pitch, error)[1:]
         bore = np.concatenate([land_arc[::-1] * [-1.0, 1.0], socket, land_arc])
-    outer = _arc(design.housing.outer_radius, -pitch, pitch, error)
-    region = Prism(np.concatenate([outer, bore[::-1]])[::-1], (), -half_width, half_width)
+    outer_arc = _arc(design.housing.outer_radius, -pitch, pitch, error)
+    region = Prism(np.concatenate([outer_arc, bore[::-1]])[::-1], (), -half_width, half_width)
     return Sector("housing", region, depth, ring.teeth)
 
 

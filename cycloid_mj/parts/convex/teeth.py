@@ -154,16 +154,8 @@ def _quadrilateral_slices(
 ) -> list[Slice]:
     """Return quadrilateral slices of a concave flank, one for each chord between neighbouring points.
 
-    Parameters
-    ----------
-    name
-        Name of the surface, for errors.
-    face, base_points
-        The n points of the flank, and back ends of the slices (n, 2) [m].
-    curvature
-        Relative curvature of the contacts on each slice (n - 1,) [1/m].
-    settings
-        Settings of the slices.
+    `face` and `base_points` (n, 2) [m] are the n points of the flank and the back ends of the slices, `curvature` (n -
+    1,) [1/m] is the relative curvature of the contacts on each slice, `name` that of the surface, for errors.
     """
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = METHOD.overlap * settings.chord_error
@@ -190,20 +182,21 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
     profile of the disc.
     """
     error = settings.hull_chord_error
-    inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
-    flank_parameters = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
+    inflection_angle, tip_angle = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
+    flank_parameters = _flank_nodes(gear, offset, inflection_angle, tip_angle, 2.0 * error)
     face = profile.outline(gear, flank_parameters, offset - error)
-    edge = profile.outline(gear, inflection, offset + depth)
-    edge_projection = float(edge @ profile.unit(tip)) * profile.unit(tip)
+    edge = profile.outline(gear, inflection_angle, offset + depth)
+    edge_projection = float(edge @ profile.unit(tip_angle)) * profile.unit(tip_angle)
     cuts = np.linspace(0, len(flank_parameters) - 1, settings.hulls + 1).round().astype(int)
     overlap = METHOD.overlap * settings.chord_error
     slices = []
-    for low, high in itertools.pairwise(cuts):
+    for first_node, last_node in itertools.pairwise(cuts):
         base_edge = _extend_ends(
-            edge + np.array([[high], [low]]) / (len(flank_parameters) - 1) * (edge_projection - edge), overlap
+            edge + np.array([[last_node], [first_node]]) / (len(flank_parameters) - 1) * (edge_projection - edge),
+            overlap,
         )
-        curvature = _hull_curvature(gear, offset, gear.lobes * flank_parameters[[low, high]])
-        outline = np.concatenate([_extend_ends(face[low : high + 1], overlap), base_edge])
+        curvature = _hull_curvature(gear, offset, gear.lobes * flank_parameters[[first_node, last_node]])
+        outline = np.concatenate([_extend_ends(face[first_node : last_node + 1], overlap), base_edge])
         slices.append(convex_slice("teeth", outline, math.inf, curvature))
     return slices
 

@@ -14,17 +14,17 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
     times `METHOD.wall_share` if that is less.
     """
     design = reducer.design
-    valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
+    valley_radius = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
     if isinstance(reducer, RvReducer):
         inner = max(reducer.crank_radius + reducer.bore_radius, reducer.post_circle_radius + reducer.window_radius)
-        wall = min(valley - inner, _lobe_width(reducer))
-        return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * wall)
+        min_wall = min(valley_radius - inner, _lobe_width(reducer))
+        return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * min_wall)
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
     walls = (
         output.pin_circle_radius - hole - design.gear.bore_radius - clearance.cam,
         2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole),
-        valley - output.pin_circle_radius - hole,
+        valley_radius - output.pin_circle_radius - hole,
         _lobe_width(reducer),
     )
     return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * min(walls))
@@ -39,12 +39,12 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
     design = reducer.design
     ring = design.ring
     if ring.kind == "nonpin":
-        root = ring.pin_circle_radius + 2.0 * design.gear.eccentricity - ring.pin_radius
-        walls = [design.housing.outer_radius - root]
+        root_radius = ring.pin_circle_radius + 2.0 * design.gear.eccentricity - ring.pin_radius
+        walls = [design.housing.outer_radius - root_radius]
     else:
-        socket = ring.pin_radius + design.socket_play
-        pin_wall = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
-        walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, pin_wall]
+        socket_radius = ring.pin_radius + design.socket_play
+        pin_wall = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket_radius)
+        walls = [design.housing.outer_radius - ring.pin_circle_radius - socket_radius, pin_wall]
     return min(settings.depth * ring.pin_radius, METHOD.wall_share * min(walls))
 
 

@@ -184,8 +184,8 @@ def export(
         require_one_ring(reducer, "files of its parts with several discs")
     casing = casing_or_none(reducer, motor, cover_material)[0]
     exported = _encode_with_halves(widen_clearances(reducer, offset), encoding, casing)
-    nominal = design.clearance
-    clearances = (replace(item, asked=getattr(nominal, item.pair)) for item in exported.clearances)
+    design_clearance = design.clearance
+    clearances = (replace(item, asked=getattr(design_clearance, item.pair)) for item in exported.clearances)
     return Export(exported.files, tuple(clearances))
 
 
@@ -205,8 +205,6 @@ def drive_files(
 
     Parameters
     ----------
-    reducer
-        The reducer.
     file_format
         Format of the files.
     casing
@@ -254,7 +252,8 @@ def _encode_drive_part(reducer: Reducer, casing: Casing, name: str, part: Part) 
 def drilled_threads(reducer: Reducer, casing: Casing, part: str) -> Iterator[DrilledThread]:
     """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF.
 
-    `part` is the name of the part. Each item has thread, centres [m] and core radius [m] of a group of equal holes.
+    `part` is the name of the part, `casing` the casing of the drive. Each item has thread, centres [m] and core radius
+    [m] of a group of equal holes.
     """
     for joint in drive_joints(reducer, casing):
         for thread in joint.threads:

@@ -146,9 +146,9 @@ def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
         if placement.body != names.HOUSING and casing.floor <= placement.origin[2] <= casing.top
     ]
     solid = sum(_inner_volume(parts[placement.part], placement.origin[2], casing) for placement in inner_placements)
-    wall = reducer.design.ring_root_radius
+    root_radius = reducer.design.ring_root_radius
     free_space = math.pi * (
-        2.0 * casing.end * wall**2
+        2.0 * casing.end * root_radius**2
         + (-casing.end - casing.floor) * casing.cavity**2
         + (casing.hub_floor - casing.end) * casing.output_cavity**2
     )
@@ -166,8 +166,8 @@ def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
         volume = CONSUMABLES.adhesive_film * area
         yield _consumable_line("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
     if not is_plastic(reducer):
-        faces = 2.0 * math.pi * (reducer.design.housing.outer_radius**2 - wall**2)
-        volume = CONSUMABLES.adhesive_film * faces
+        face_area = 2.0 * math.pi * (reducer.design.housing.outer_radius**2 - root_radius**2)
+        volume = CONSUMABLES.adhesive_film * face_area
         yield _consumable_line(
             "sealant", volume, "anaerobic flange sealant", "gap up to 0.25 mm", "both faces of the ring"
         )
@@ -190,9 +190,9 @@ def _inner_volume(part: Part, z: float, casing: Casing) -> float:
     the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
-    low, high = casing.floor - z, casing.hub_floor - z
+    bottom, top = casing.floor - z, casing.hub_floor - z
     return sum(
-        abs(region_moments(prism).area) * max(min(prism.z1, high) - max(prism.z0, low), 0.0) for prism in solid.prisms
+        abs(region_moments(prism).area) * max(min(prism.z1, top) - max(prism.z0, bottom), 0.0) for prism in solid.prisms
     )
 
 
@@ -214,8 +214,6 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, casing: Casing | None
 
     Parameters
     ----------
-    reducer
-        The reducer.
     cam_seat
         Bore radius of the chosen cam bearing [m], which the cams fit. 0: the cams of the assembly, or without a casing,
         cams with the outer radius of the bearing.
@@ -268,8 +266,6 @@ def _bought_lines(reducer: Reducer, cam_seat: float, casing: Casing | None) -> I
 
     Parameters
     ----------
-    reducer
-        The reducer.
     cam_seat
         Bore radius of the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
     casing
@@ -318,11 +314,11 @@ def _round_bar_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLi
         if ring.has_sleeves:
             count, length = pin_pieces(reducer)
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
-            yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
-            core = sleeve_core_radius(reducer)
+            sleeve_line = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
+            yield replace(sleeve_line, designation="sleeve to measure", fit="F7 on its pin")
+            core_radius = sleeve_core_radius(reducer)
             cut_length = sleeve_pin_length(reducer) if casing else gear.stack_width
-            yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core, cut_length, material)
+            yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core_radius, cut_length, material)
         else:
             yield _ring_pin_line(reducer, material)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
@@ -348,10 +344,10 @@ def _shaft_line(reducer: Reducer, casing: Casing | None) -> BillLine:
         if key
         else ""
     )
-    bar = f"ground bar {in_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
+    bar_text = f"ground bar {in_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
     mass = mass_properties(shaft.solid(EXPORT_CHORD_ERROR)).mass
     size = line.size + _format_bore(reducer, casing)
-    return replace(line, size=size, designation=bar, fit=keyway, mass_kg=mass)
+    return replace(line, size=size, designation=bar_text, fit=keyway, mass_kg=mass)
 
 
 def _format_bore(reducer: Reducer, casing: Casing | None) -> str:
@@ -380,18 +376,8 @@ def _pin_line(
 ) -> BillLine:
     """Return the row of the bill of materials for `count` round pins, cut from a pin in stock, or custom-made.
 
-    Parameters
-    ----------
-    item
-        Name of the pins.
-    count
-        Number of pins.
-    pin
-        Pin in stock; None: the pins are custom-made.
-    size
-        Radius and length [m].
-    material, fit
-        Material, and fit of pins in stock.
+    `item` is the name of the pins. `pin` is the pin in stock; None: the pins are custom-made. `size` has radius and
+    length [m], `material` is that of the pins, and `fit` the fit of pins in stock.
     """
     radius, length = size
     if not pin:
@@ -511,8 +497,8 @@ def _round_line(
     cut_length
         Length to which the parts are shortened [m]; 0: not shortened.
     """
-    outer, inner = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
-    volume = math.pi * (outer**2 - inner**2) * (cut_length or length)
+    outer_radius, inner_radius = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
+    volume = math.pi * (outer_radius**2 - inner_radius**2) * (cut_length or length)
     mass = count * volume * (material.density if material else STEEL * filling(item))
     name = _material_name(material) if material else ""
     dimensions = [*((name, 2.0 * radius) for name, radius in radii), ("length", length)]

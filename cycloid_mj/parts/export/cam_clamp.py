@@ -89,10 +89,10 @@ class CamClamp:
     def removed_volume(self, reducer: Reducer) -> float:
         """Compute the volume [m3] of the holes of a clamping screw in its cam: counterbore, clearance hole, core."""
         thread, half_slot = self.bolt.thread, 0.5 * CLAMP.slot
-        outward = self.distance - reducer.design.gear.eccentricity
-        edge = math.sqrt(cam_radius(reducer) ** 2 - outward**2)
+        outward_distance = self.distance - reducer.design.gear.eccentricity
+        edge_distance = math.sqrt(cam_radius(reducer) ** 2 - outward_distance**2)
         cylinders = (
-            (counterbore(self.bolt), edge - self.head_face),
+            (counterbore(self.bolt), edge_distance - self.head_face),
             (0.5 * stock.bolt_hole(thread), self.head_face - half_slot),
             (0.5 * stock.thread_core(thread), self.thread_depth),
         )
@@ -205,9 +205,9 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
         return None
-    outward = distance - gear.eccentricity
-    head_corner = math.hypot(abs(outward) + 0.5 * bolt.head, head_face + bolt.head_height)
-    tip_corner = math.hypot(abs(outward) + 0.5 * bolt.thread, length - head_face + wall)
+    outward_distance = distance - gear.eccentricity
+    head_corner = math.hypot(abs(outward_distance) + 0.5 * bolt.head, head_face + bolt.head_height)
+    tip_corner = math.hypot(abs(outward_distance) + 0.5 * bolt.thread, length - head_face + wall)
     if head_corner > radius - wall or tip_corner > radius - wall:
         return None
     arm, modulus = shaft + 0.5 * hinge, design.material_of(names.SHAFT).youngs_modulus
@@ -221,10 +221,10 @@ def _crosswise_screw(clamp: CamClamp) -> RoundPart:
     Its head is on the side of +x, and the face under the head is at x = 0.
     """
     bolt, blocks = clamp.bolt, []
-    core = 0.5 * stock.thread_core(bolt.thread)
-    for radius, start, end in ((core, -clamp.length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)):
+    core_radius = 0.5 * stock.thread_core(bolt.thread)
+    for radius, start, end in ((core_radius, -clamp.length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)):
         edges = -radius * np.cos(np.pi * np.arange(CLAMP.slices + 1) / CLAMP.slices)
-        for low, high in pairwise(edges.tolist()):
-            half_width = math.sqrt(radius**2 - (0.5 * (low + high)) ** 2)
-            blocks.append((KeyContour(start, end, 2.0 * half_width, 0.0), low, high))
+        for slice_start, slice_end in pairwise(edges.tolist()):
+            half_width = math.sqrt(radius**2 - (0.5 * (slice_start + slice_end)) ** 2)
+            blocks.append((KeyContour(start, end, 2.0 * half_width, 0.0), slice_start, slice_end))
     return RoundPart(names.SHAFT, blocks=tuple(blocks), bought=True)

@@ -270,7 +270,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     """
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
-    outer = _cover_radius(screws, design.housing.outer_radius, wall)
+    outer_radius = _cover_radius(screws, design.housing.outer_radius, wall)
     dowel, dowel_angles, dowel_circle = choose_dowels(reducer, screws, wall)
     far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
     straddles = design.shaft.mounting == "straddle"
@@ -281,11 +281,11 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         )
     _require_cam_joint(reducer)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
-    rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
+    rim_radius = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     stop_ring_radius = max_stop_ring_radius(reducer, screws, dowel, dowel_circle, wall)
-    output_side = _size_output_side(reducer, screws, seat, rim, stop_ring_radius)
+    output_side = _size_output_side(reducer, screws, seat, rim_radius, stop_ring_radius)
     return Casing(
-        outer=outer,
+        outer=outer_radius,
         wall=wall,
         screws=screws,
         dowel=dowel,
@@ -294,17 +294,21 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         near=(near_seat[0] if straddles else far_seat[0], near_seat[1]),
         far=far_seat if straddles else None,
         seat=seat,
-        rim=rim,
+        rim=rim_radius,
         play=axial_play(reducer),
         end=ring_end(reducer),
         cover_material=_cover_material(reducer, cover_material),
-        **vars(_size_motor_side(reducer, motor, screws, dowel, outer, output_side)),
+        **vars(_size_motor_side(reducer, motor, screws, dowel, outer_radius, output_side)),
         **vars(output_side),
     )
 
 
 def _require_cam_joint(reducer: Reducer) -> None:
-    """Raise DesignError if the joint of cams and shaft that a design requests is not possible."""
+    """Raise DesignError if the requested joint of cams and shaft is not possible.
+
+    A plastic shaft cannot have shrunk cams; splines and clamping screws must fit in the cams (`cam_spline`,
+    `cam_clamp`).
+    """
     design = reducer.design
     if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
         raise DesignError(
@@ -572,35 +576,35 @@ def _cavity_radii(
     """
     design = reducer.design
     output, hub = design.output, output_side.hub
-    rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius if output.support == "both_ends" else 0.0
+    rim_radius = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius if output.support == "both_ends" else 0.0
     if output_side.motor_bearing:
-        rim = 0.5 * hub.bore
-    min_radius = max(rim, seat - wall)
+        rim_radius = 0.5 * hub.bore
+    min_radius = max(rim_radius, seat - wall)
     crank_radius = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
-    cavity = max(crank_radius, min_radius) + wall
+    cavity_radius = max(crank_radius, min_radius) + wall
     outer_limit = (
         screws.circle - thread_radius(reducer, screws.bolt.thread)
         if not screws.outside
         else design.housing.outer_radius
     )
     max_radius = min(outer_limit - wall, design.ring_root_radius)
-    if not cavity <= max_radius:
+    if not cavity_radius <= max_radius:
         raise DesignError(
-            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only "
+            f"the crank needs a diameter of {2e3 * cavity_radius:.4g} mm in the motor-side cover, but only "
             f"{2e3 * max_radius:.4g} mm is available: reduce shaft.counterweight_radius_mm or "
             "output.pin_circle_radius_mm"
         )
     if output_side.motor_bearing:
         shoulder = hub.shoulders[1]
-        if cavity > shoulder:
+        if cavity_radius > shoulder:
             raise DesignError(
                 f"a bearing of {MILLIMETRES * hub.bore:g} x {MILLIMETRES * hub.outside:g} mm around the second disc of "
                 f"the output leaves {MILLIMETRES * 2.0 * shoulder:.4g} mm for the crank, which needs "
-                f"{MILLIMETRES * 2.0 * cavity:.4g} mm: reduce shaft.counterweight_radius_mm or "
+                f"{MILLIMETRES * 2.0 * cavity_radius:.4g} mm: reduce shaft.counterweight_radius_mm or "
                 "output.pin_circle_radius_mm"
             )
         return shoulder, shoulder
-    return cavity, min(max_radius, reducer.design.pin_retaining_radius)
+    return cavity_radius, min(max_radius, reducer.design.pin_retaining_radius)
 
 
 def output_cover_step(casing: Casing) -> float | None:

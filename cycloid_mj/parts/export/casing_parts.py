@@ -48,7 +48,7 @@ class CasingPosition:
 
 
 def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
-    """Return the parts of the casing, such as covers and flange, as cylinders with holes and pockets, by name.
+    """Return the parts of the casing, such as ``names.MOTOR_COVER``, as cylinders with holes and pockets, by name.
 
     The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
     adds to them.
@@ -107,10 +107,10 @@ def bored_shaft(reducer: Reducer, casing: Casing | None, chord_error: float | No
 def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
     """Adapt a part of the mechanism to its joints in a drive: axial clearances, bores, grooves and keyways.
 
-    The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
-    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
-    between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into
-    the discs, and rollers turn on their pins.
+    `name` is the name of the part. The ring is wider than discs, pins and sleeves. The counterweight makes room for a
+    collar next to its bearing. A spacer touches the cams; its rim, which guides discs that turn at another speed, is
+    narrower. So is the collar between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings
+    in stock are pressed into the discs, and rollers turn on their pins.
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
@@ -138,23 +138,24 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
 
 
 def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
-    """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder.
+    """Yield the segments of the output, whose first segment, the disc, is the seat of the output's bearings.
 
-    There is no shoulder next to a stop ring: the flange clamps the inner ring towards the other bearing.
+    The disc is divided into the shoulder of the bearings and their seat. There is no shoulder next to a stop ring: the
+    flange clamps the inner ring towards the other bearing.
     """
     disc, *others = segments
     seat = CircleContour(0.5 * casing.hub.bore)
     if casing.stop_ring:
         yield replace(disc, outline=seat)
     else:
-        step = casing.bearings[-1 if casing.motor_bearing else 0][0]
-        yield replace(disc, outline=CircleContour(casing.hub.shoulders[0]), z1=step)
-        yield replace(disc, outline=seat, z0=step)
+        shoulder_end = casing.bearings[-1 if casing.motor_bearing else 0][0]
+        yield replace(disc, outline=CircleContour(casing.hub.shoulders[0]), z1=shoulder_end)
+        yield replace(disc, outline=seat, z0=shoulder_end)
     yield from others
 
 
 def _fit_second_disc(casing: Casing, bearing: tuple[float, float], segments: Sequence[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a second disc of the output that is the seat of a bearing, with its shoulder.
+    """Yield the segments of the output's second disc, divided into the seat of a bearing around it and its shoulder.
 
     The shoulder is next to the cycloid discs, or with a stop ring at the other side of the bearing. `bearing` are the
     ends of the bearing along z [m].
@@ -244,10 +245,10 @@ def _cut_disc_collars(reducer: Reducer, casing: Casing, segments: Iterable[Segme
         if names.family(segment.name) != names.SPACER:
             yield segment
             continue
-        low, high = segment.z0 + length, segment.z1 - length
-        yield replace(segment, outline=neck, z1=low)
-        yield replace(segment, z0=low, z1=high)
-        yield replace(segment, outline=neck, z0=high)
+        neck_start, neck_end = segment.z0 + length, segment.z1 - length
+        yield replace(segment, outline=neck, z1=neck_start)
+        yield replace(segment, z0=neck_start, z1=neck_end)
+        yield replace(segment, outline=neck, z0=neck_end)
 
 
 def _cut_groove(casing: Casing, journal: Segment) -> Iterator[Segment]:
@@ -285,15 +286,15 @@ def _split_spacer(reducer: Reducer, casing: Casing, segments: Sequence[Segment])
 
 
 def _motor_cover_rounds(casing: Casing) -> tuple[Round, ...]:
-    """Return the cylinders of the motor cover along z: a narrow one next to the motor, if possible, then the wide one.
+    """Return the cylinders of the motor cover along z: a narrow one next to the motor, if stepped, and the wide one.
 
     The wide cylinder ends at the ring, or, with screws outside of the ring, continues around it as a rim. The rim ends
     below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim.
     """
-    top = casing.end - casing.play if casing.screws.outside else -casing.end
+    cover_end = casing.end - casing.play if casing.screws.outside else -casing.end
     if casing.step - casing.face > 2.0 * casing.wall and casing.slim + casing.wall < casing.outer:
-        return (casing.slim, casing.face, casing.step), (casing.outer, casing.step, top)
-    return ((casing.outer, casing.face, top),)
+        return (casing.slim, casing.face, casing.step), (casing.outer, casing.step, cover_end)
+    return ((casing.outer, casing.face, cover_end),)
 
 
 def _motor_pocket(casing: Casing) -> tuple[Pocket, ...]:
@@ -336,12 +337,12 @@ def _hub_rounds(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
 
     The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.
     """
-    floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
+    floor_z = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     if reducer.design.output.has_disc_seat:
-        return ((0.5 * casing.hub.bore, floor, casing.top),) if casing.top > floor + SAME_LENGTH else ()
-    shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, casing.bearings[0][0]
+        return ((0.5 * casing.hub.bore, floor_z, casing.top),) if casing.top > floor_z + SAME_LENGTH else ()
+    shoulder_z, first_bearing = floor_z + 0.5 * AXIAL_GAP, casing.bearings[0][0]
     return (
-        (casing.rim, floor, shoulder),
-        (casing.hub.shoulders[0], shoulder, first_bearing),
+        (casing.rim, floor_z, shoulder_z),
+        (casing.hub.shoulders[0], shoulder_z, first_bearing),
         (0.5 * casing.hub.bore, first_bearing, casing.top),
     )

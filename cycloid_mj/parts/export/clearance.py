@@ -45,10 +45,10 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     """
     from scipy.spatial import cKDTree
 
-    grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
+    starts = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other segments of the trochoid
-    _, nearest_indices = cKDTree(profile.outline(gear, grid)).query(points)
-    parameters = grid[nearest_indices]
+    _, nearest_indices = cKDTree(profile.outline(gear, starts)).query(points)
+    parameters = starts[nearest_indices]
     for _ in range(SEARCH.newton_steps):
         offset_vectors = profile.trochoid(gear, parameters) - points
         first_derivative, second_derivative = profile.trochoid_derivatives(gear, parameters)
@@ -117,16 +117,8 @@ def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) ->
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
     """Measure the clearance of an exported disc in the ring, and of pins in sockets if there are any.
 
-    A DesignError is raised if a clearance deviates from that of the design.
-
-    Parameters
-    ----------
-    reducer
-        The reducer.
-    outline, ring_loop
-        The n points (n, 2) [m] of the outline of the disc, and those of the inner outline of the housing.
-    disc
-        Index of the disc.
+    `outline` and `ring_loop` are the points (n, 2) [m] of the disc's outline and of the inner outline of the housing,
+    `disc` is the index of the disc. DesignError is raised if a clearance deviates from that of the design.
     """
     design = reducer.design
     tooth_pair = "pin_gear" if design.ring.kind == "pin" else "tooth"
@@ -140,19 +132,8 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
 def _checked_clearance(reducer: Reducer, pair_kind: str, clearances: Array) -> OutlineClearance:
     """Return the smallest and largest clearance on exported outlines; raise if they are not the design's.
 
-    Parameters
-    ----------
-    reducer
-        The reducer.
-    pair_kind
-        Kind of the pair, such as "pin_gear".
-    clearances
-        Measured clearance at n points (n,) [m].
-
-    Raises
-    ------
-    DesignError
-        A value differs from the clearance of the design by more than `TOLERANCE`.
+    `pair_kind` is the kind of pair, such as "pin_gear", `clearances` (n,) [m] are measured at n points. DesignError is
+    raised if a value differs from the clearance of the design by more than `TOLERANCE`.
     """
     result = OutlineClearance(
         pair_kind, getattr(reducer.design.clearance, pair_kind), float(clearances.min()), float(clearances.max())

@@ -46,8 +46,6 @@ def choose_crank_end(reducer: Reducer, bearing: stock.StockBearing | None, seat:
 
     Parameters
     ----------
-    reducer
-        The reducer.
     bearing
         Bearing in stock on the crank; None if none has the size of its seats.
     seat
@@ -90,8 +88,8 @@ def _describe_seal_problem(reducer: Reducer, is_ringed: bool) -> str:
         return "the crank has ball bearings, which are sealed themselves: remove the key"
     if reducer.design.shaft.bore_radius:
         return "a hollow crank needs a seal at both ends: choose ball bearings (shaft.bearing_width_mm), and remove it"
-    size = in_mm(2.0 * reducer.design.shaft.radius)
-    return f"no standard seal ring fits a drawn cup on a shaft of {size} mm: choose another shaft.radius_mm"
+    diameter_mm = in_mm(2.0 * reducer.design.shaft.radius)
+    return f"no standard seal ring fits a drawn cup on a shaft of {diameter_mm} mm: choose another shaft.radius_mm"
 
 
 def _describe_ring_problems(

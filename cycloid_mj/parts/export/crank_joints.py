@@ -94,22 +94,22 @@ def cam_key(reducer: Reducer, casing: Casing) -> CamKey | None:
         return None
     segments, radius = crank_segments(reducer), design.shaft.radius
     cams = [segments[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
-    low, high = cams[0].z0, cams[-1].z1
-    key = stock.key_for(2.0 * radius, high - low)
+    cams_start, cams_end = cams[0].z0, cams[-1].z1
+    key = stock.key_for(2.0 * radius, cams_end - cams_start)
     if key is None:
         return None
     angles = 2.0 * math.pi * np.arange(KEY_ANGLES) / KEY_ANGLES
     directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    outer, eccentricity = cam_radius(reducer), design.gear.eccentricity
+    cam_outer_radius, eccentricity = cam_radius(reducer), design.gear.eccentricity
     offsets = eccentricity * directions @ unit(-np.array(reducer.phases)).T
-    walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
+    walls = (offsets + np.sqrt(offsets**2 + cam_outer_radius**2 - eccentricity**2)).min(axis=1)
     best_index, bore = int(np.argmax(walls)), casing.motor_bore
-    core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
+    core_radius = bore[0] if bore and bore[2] > cams_start else design.shaft.bore_radius
     keyway_radius = math.hypot(radius + key.in_hub, 0.5 * key.width)
     does_fit = walls[best_index] >= keyway_radius + RULES.min_wall and hub_radius(reducer, casing) >= keyway_radius
-    if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
+    if not (does_fit and radius - key.in_shaft >= core_radius + RULES.min_wall):
         return None
-    midpoint = 0.5 * (low + high)
+    midpoint = 0.5 * (cams_start + cams_end)
     return CamKey(key, float(angles[best_index]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
 
 
@@ -125,17 +125,17 @@ def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
         return None
     steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, casing.motor_bore
     cam_start = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0
-    core = bore[0] if bore and bore[2] > cam_start else design.shaft.bore_radius
+    core_radius = bore[0] if bore and bore[2] > cam_start else design.shaft.bore_radius
     hub_diameter = 2.0 * (cam_radius(reducer) - design.gear.eccentricity)
     elasticity = steel.youngs_modulus, steel.poisson
-    press = PressFit(diameter, design.gear.face_width, hub_diameter, elasticity, elasticity, 2.0 * core)
-    limit = min(press.yield_pressure(steel.yield_strength), press.shaft_yield_pressure(steel.yield_strength))
+    press_fit = PressFit(diameter, design.gear.face_width, hub_diameter, elasticity, elasticity, 2.0 * core_radius)
+    limit = min(press_fit.yield_pressure(steel.yield_strength), press_fit.shaft_yield_pressure(steel.yield_strength))
     for zones in SHRINK_FITS:
         max_interference = -fits.clearances(zones, diameter)[0]
         temperature_difference = shrink_difference(diameter, max_interference, steel.expansion)
-        if press.pressure(max_interference) <= limit and temperature_difference <= JOINTS.shrink_difference:
+        if press_fit.pressure(max_interference) <= limit and temperature_difference <= JOINTS.shrink_difference:
             break
-    return ShrinkFit(zones, press, limit, temperature_difference)
+    return ShrinkFit(zones, press_fit, limit, temperature_difference)
 
 
 def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:

@@ -93,7 +93,7 @@ def hub_radius(reducer: Reducer, casing: Casing) -> float:
 
 
 def _crank_rings(reducer: Reducer, casing: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
-    """Yield the spacer rings and collars of a crank, from the motor on, except those that would be too thin.
+    """Yield the spacer rings and collars of a crank, from the motor on, except those thinner than `RULES.min_wall`.
 
     `segments` are the segments of the crank by name.
     """

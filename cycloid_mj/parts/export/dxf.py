@@ -106,11 +106,11 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
 def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join intervals (start, end) along z [m] that touch or overlap; return them in ascending order."""
     joined_intervals: list[tuple[float, float]] = []
-    for low, high in sorted(ends):
-        if joined_intervals and low - joined_intervals[-1][1] < SAME_LENGTH:
-            joined_intervals[-1] = joined_intervals[-1][0], high
+    for interval_start, interval_end in sorted(ends):
+        if joined_intervals and interval_start - joined_intervals[-1][1] < SAME_LENGTH:
+            joined_intervals[-1] = joined_intervals[-1][0], interval_end
         else:
-            joined_intervals.append((low, high))
+            joined_intervals.append((interval_start, interval_end))
     return joined_intervals
 
 

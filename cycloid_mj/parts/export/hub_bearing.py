@@ -128,9 +128,10 @@ def needs_stop_ring(reducer: Reducer) -> bool:
 
 
 def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
-    """Raise DesignError unless bearings around both discs of the output are possible.
+    """Raise DesignError if a design cannot have bearings of the output around both of its discs.
 
-    `stop_ring_radius` [m] is the largest outer radius of the stop ring that a bearing with a contact angle needs.
+    It needs a second disc, which supports the pins, and paired bearings; with a contact angle, also space for a stop
+    ring, whose outer radius is at most `stop_ring_radius` [m].
     """
     design = reducer.design
     if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
@@ -145,11 +146,11 @@ def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
             "the pins inside the sleeves extend into both covers and leave no space for the stop ring of the bearing "
             'around the second output disc: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
         )
-    support = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
-    if needs_stop_ring(reducer) and stop_ring_radius < support - stock.ROUNDING:
+    min_radius = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
+    if needs_stop_ring(reducer) and stop_ring_radius < min_radius - stock.ROUNDING:
         raise DesignError(
             "the stop ring of the bearing around the second output disc does not fit between the ring pins and the "
-            f"screws and dowels of the covers: it needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm, but "
+            f"screws and dowels of the covers: it needs a diameter of {MILLIMETRES * 2.0 * min_radius:.4g} mm, but "
             f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available. Increase housing.outer_radius_mm, or set "
             'output.main_bearings = "deep_groove"'
         )

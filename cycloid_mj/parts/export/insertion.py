@@ -135,9 +135,9 @@ def _is_blocked(moving_sections: Sections, present_sections: Sections, direction
     direction
         `UP` or `DOWN`.
     """
-    for low, high, moving_section in moving_sections:
-        for bottom, top, present_section in present_sections:
-            is_ahead = bottom < high - SAME_LENGTH if direction == UP else top > low + SAME_LENGTH
+    for moving_z0, moving_z1, moving_section in moving_sections:
+        for z0, z1, present_section in present_sections:
+            is_ahead = z0 < moving_z1 - SAME_LENGTH if direction == UP else z1 > moving_z0 + SAME_LENGTH
             if not is_ahead:
                 continue
             overlap = moving_section ^ present_section

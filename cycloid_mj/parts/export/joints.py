@@ -145,12 +145,12 @@ def _seat_holes(casing: Casing, start: float) -> Iterator[Hole]:
 
     `start` [m] is the lower end of the seat along z.
     """
-    ring, low = casing.crank_end.bore_ring, casing.near[1]
+    ring, groove_start = casing.crank_end.bore_ring, casing.near[1]
     if ring:
-        high = low + ring.groove_width
-        yield AXIS, casing.seat, start, low
-        yield AXIS, 0.5 * ring.groove, low, high
-        start = high
+        groove_end = groove_start + ring.groove_width
+        yield AXIS, casing.seat, start, groove_start
+        yield AXIS, 0.5 * ring.groove, groove_start, groove_end
+        start = groove_end
     yield AXIS, casing.seat, start, casing.floor
 
 
@@ -216,7 +216,7 @@ def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) 
     Number 1 is the bearing far from the discs (with a straddled shaft, in the hub), 2 is near the discs.
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
-    middles = [0.5 * (low + high) for low, high in seats]
+    middles = [0.5 * (seat_start + seat_end) for seat_start, seat_end in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
     return BoughtPart(
         names.SHAFT_BEARING,
@@ -604,8 +604,6 @@ def _bought_inserts(
 
     Parameters
     ----------
-    reducer
-        The reducer.
     item, body
         Name of the inserts, and of the body that they move with.
     thread

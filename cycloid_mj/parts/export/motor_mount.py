@@ -29,8 +29,6 @@ def choose_motor_flange(
 
     Parameters
     ----------
-    reducer
-        The reducer.
     motor
         Motor; ``auto`` is the smallest NEMA frame that fits and is strong enough for torque and speed of the design, or
         a bolt circle if there is none.

@@ -108,7 +108,8 @@ def choose_flange_pattern(
 ) -> tuple[float, int]:
     """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes.
 
-    `bolt` is the screw, `hub` the bearing around the hub, and `wall` [m] the minimum wall.
+    The number is the first of `RULES.flange_screws` that fits. `bolt` is the screw, `hub` the bearing around the hub,
+    and `wall` [m] the minimum wall.
 
     Raises
     ------
@@ -211,8 +212,6 @@ def choose_flange_dowels(
 
     Parameters
     ----------
-    reducer
-        The reducer.
     bolt, pattern
         Screws of the flange; radius of their circle [m] and their number.
     thickness

@@ -35,7 +35,7 @@ def ring_pin_centres(reducer: Reducer, ring_angle: float) -> list[list[float]]:
 
 
 def place_ring_pins(reducer: Reducer, ring_angle: float, pieces: tuple[int, float] = (1, 0.0)) -> Iterator[PlacedPart]:
-    """Yield the positions of the ring pins or sleeves, in a ring rotated counter-clockwise by an angle [rad].
+    """Yield the positions of the ring pins or sleeves, in a ring rotated counter-clockwise by `ring_angle` [rad].
 
     `pieces` are the number of pieces in line that form a pin, and the length [m] of a piece.
     """

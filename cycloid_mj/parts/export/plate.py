@@ -196,7 +196,7 @@ def _pack_plates(
     parts
         Name of each rectangle, for the error.
     sizes
-        Length and width of each [m].
+        Length and width of each [m], shape (2,).
     bed
         Length and width of the plates [m]; None: one plate of any size.
 
@@ -236,20 +236,9 @@ def _build_supports(
 ) -> tuple[dict[str, list[Mesh]], dict[str, dict[float, float]]]:
     """Build supports under the overhanging faces of plastic parts, as the parts lie on the plate.
 
-    Parameters
-    ----------
-    reducer
-        The reducer, for the materials.
-    solids, shapes
-        Solids of the parts, and their meshes, by name.
-    chord_error
-        Largest distance of a chord from its curve [m].
-
-    Returns
-    -------
-    tuple
-        Meshes of the supports by name of the part; and by name, the areas [m2] of faces that cannot have a support, by
-        their height [m].
+    Return the meshes of the supports by name of the part; and by name, the areas [m2] of faces that cannot have a
+    support, by their height [m]. `solids` and `shapes` are the parts and their meshes by name, `chord_error` [m] is the
+    largest distance of a chord from its curve.
     """
     supports: dict[str, list[Mesh]] = {name: [] for name in solids}
     unsupported_areas: dict[str, dict[float, float]] = {}
@@ -266,7 +255,8 @@ def _build_supports(
 def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
     """Pack rectangles (length, depth) [m] in rows, the deepest first (shelf packing); return their lower left corners.
 
-    Rows and rectangles are a `gap` [m] apart. The row length minimizes the longer side of the plate.
+    The `sizes` are in [m]; rows and rectangles are a `gap` [m] apart. The row length minimizes the longer side of the
+    plate.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
     max_width = max(width for width, _ in sizes)
@@ -285,11 +275,11 @@ def _pack_rows_to(
     """
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
-    for i in order:
-        if x > 0.0 and x + sizes[i][0] > limit * (1.0 + RELATIVE_ROUNDING):
+    for number in order:
+        if x > 0.0 and x + sizes[number][0] > limit * (1.0 + RELATIVE_ROUNDING):
             x, y, depth = 0.0, y + depth + gap, 0.0
-        corners[i] = (x, y)
-        x, depth = x + sizes[i][0] + gap, max(depth, sizes[i][1])
+        corners[number] = (x, y)
+        x, depth = x + sizes[number][0] + gap, max(depth, sizes[number][1])
     return corners
 
 
@@ -298,7 +288,7 @@ def _upper_end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[flo
 
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
-    """Return a part as it lies on the print bed with its larger end face, and whether it is turned over for that."""
+    """Return the part `solid` as it lies on the print bed, on its larger end face, and whether it is turned over."""
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
     bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
     top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)

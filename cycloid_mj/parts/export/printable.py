@@ -76,11 +76,12 @@ def coupon_words() -> str:
 def print_warnings(
     reducer: Reducer, unsupported_areas: Mapping[str, Mapping[float, float]], chord_error: float, casing: Casing | None
 ) -> Iterator[str]:
-    """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
+    """Yield a warning for each plastic part with thin walls, small holes, or faces without a support, as printed.
 
-    `unsupported_areas` are the areas of faces that cannot have a support [m2], as a mapping from part to a mapping from
-    the height [m] of the faces to their area. `chord_error` [m] is the largest distance of a chord from its curve. The
-    printed parts of the `casing` are included; None: the mechanism only.
+    The limits are `RULES.min_printed_wall` and `MIN_HOLE`. `unsupported_areas` are the areas of faces that cannot have
+    a support [m2], as a mapping from part to a mapping from the height [m] of the faces to their area. `chord_error`
+    [m] is the largest distance of a chord from its curve. The printed parts of the `casing` are included; None: the
+    mechanism only.
     """
     for name, part in printed_parts(reducer, chord_error, 0.0, casing).items():
         if not is_printed(reducer, material_part(reducer, name)):

@@ -244,7 +244,7 @@ def _resize_cam(reducer: Reducer, segment: Segment, radius: float) -> Segment:
 
 
 def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
-    """Split the output into parts by name; return an empty dict if it is printed in one piece.
+    """Split the output, `output_part`, into parts by name; return an empty dict if it is printed in one piece.
 
     They are the disc `names.OUTPUT` with bores for pins, one `OUTPUT_PIN` and, if the pins have two supports, the disc
     `SECOND_OUTPUT`.

@@ -77,7 +77,7 @@ def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
 
 
 def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
-    """Yield the notes on the drawing of an RV reducer's part: datums, teeth, holes and their tolerances."""
+    """Yield the notes on the drawing of the part `name` of an RV reducer: datums, teeth, holes and their tolerances."""
     design, cranks = reducer.design, reducer.cranks
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "the axis (datum A)")

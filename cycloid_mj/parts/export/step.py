@@ -53,7 +53,7 @@ def step_part(
 ) -> bytes:
     """Encode the sections of a part as a STEP file, with the chamfers and fillets `edges` and the cross holes `bores`.
 
-    Equal arguments give files with equal bytes.
+    `name` is the name of the part. Equal arguments give files with equal bytes.
 
     Raises
     ------
