@@ -15,10 +15,11 @@ FREE_CAM_JOINTS = "key", "one_piece"
 
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check that the complete drive, with covers, bearings and screws, can be assembled and turns freely.
+    """Yield the check that the drive with covers, bearings and screws meets all rules for joints, as a warning.
 
-    Yields nothing for a design without solids of its parts (`is_drawn`), or without fitting covers (`casing_or_none`)
-    unless the design has a key that only the drive around the mechanism uses.
+    It compares the smallest axial gap [mm] with the play, and its remedy lists what `describe_violations` yields.
+    Nothing is yielded for a design without solids of its parts (`is_drawn`). Without fitting covers (`casing_or_none`),
+    the check fails if the design has a part that needs them, such as a seal ring; otherwise nothing is yielded.
     """
     design = reducer.design
     if not is_drawn(design):

@@ -239,7 +239,10 @@ def rate_for_verdict(reducer: Reducer) -> Rating:
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
-    """Yield the general assumptions of a rating over a duty cycle, a sentence each."""
+    """Yield the general assumptions of a rating over a duty cycle, a sentence each.
+
+    They are about forces, reliability, peak torque, failures that are not rated, and materials.
+    """
     yield "forces: statics with friction and the clearances of the design, at constant crank speed"
     yield f"reliability of bearings and parts: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"

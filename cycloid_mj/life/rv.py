@@ -367,7 +367,10 @@ def _rate_pitting(
 
 
 def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
-    """Yield the assumptions of the rating of an RV reducer over the duty cycle `duty`, a sentence each."""
+    """Yield the assumptions of the rating of an RV reducer over the duty cycle `duty`, a sentence each.
+
+    They are about forces, reliability, peak torque, failures that are not rated, and plastics.
+    """
     yield (
         "forces: the larger of ideal sharing and the balance of springs with the clearances and errors of the design, "
         "with friction, over a turn of the carrier"

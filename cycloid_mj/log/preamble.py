@@ -17,10 +17,10 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return the metadata records at the beginning of a log, as a mapping from record name to values.
+    """Return the metadata records at the beginning of a log: name of the record -> its entries.
 
-    The first record states the format, a checksum of the provenance, and the names of the attachments; the second is
-    the provenance. Characters that UTF-8 cannot encode are escaped.
+    The first record, `PACKAGE`, states the format, a checksum of the provenance, and the names of the attachments; the
+    second, `PROVENANCE`, is the provenance. Characters that UTF-8 cannot encode are escaped.
     """
     encodable_provenance = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
     names = [encodable_text(name) for name in attachments]

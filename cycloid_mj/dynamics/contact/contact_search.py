@@ -444,11 +444,11 @@ def _write_root_contacts(
     """Find and write the contacts of the teeth in half a `root` of the internal gear, after `count` others.
 
     `address` is the memory address of the array of contacts. The half root is divided into intervals, each of which is
-    searched for a minimum of the gap. If the gap between the contacts on arc and root is below the deflection of the
-    teeth, both share one patch: their stiffness is reduced. `profile` are the teeth of the disc, `arc` is the contact
-    on the arc of the lobe, whose radius is `arc_radius` [m]. `lobe` is the pose of the lobe in the world, `gear` that
-    of the teeth in the frame of the lobe, and `margin` [m] the largest gap of a contact. Returns the new number of
-    contacts, and `arc` with its new stiffness.
+    searched for a minimum of the gap; a minimum below `margin` [m] is a contact. If the gap between the contacts on arc
+    and root is below the deflection of the teeth, both share one patch: their stiffness is reduced. `profile` are the
+    teeth of the disc, `arc` is the contact on the arc of the lobe, whose radius is `arc_radius` [m]. `lobe` is the pose
+    of the lobe in the world, `gear` that of the teeth in the frame of the lobe. Returns the new number of contacts, and
+    `arc` with its new stiffness.
     """
     flank, ring, root_frame, min_phase = profile.flank, profile.ring, root.frame, root.min_phase
     gear_x, gear_y = inwards(root_frame, gear.x, gear.y)

@@ -166,19 +166,10 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each needle of a crank bearing after `count` others; return the new number of contacts.
 
-    `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, `v` are the speeds of
-    all coordinates, shape (unknowns,), and `half_step` is half of the time step [s].
-
-    Parameters
-    ----------
-    crank
-        Index of the crank's rotation in q.
-    arms
-        Lever arms of the bearing.
-    displacement
-        Displacement of the eccentric in its bore [m].
-    cage
-        Angle of the cage [rad].
+    `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, and `crank` the index of
+    the crank's rotation among the unknowns. `arms` are the lever arms of the bearing, `displacement` (x, y) [m] is that
+    of the eccentric in its bore, and `cage` [rad] the angle of the cage, at 0 of which a needle is on +y. `v` are the
+    speeds of all coordinates, shape (unknowns,), and `half_step` is half of the time step [s].
     """
     dx, dy = displacement
     spacing = 2.0 * math.pi / train.needles

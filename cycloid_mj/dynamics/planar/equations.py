@@ -673,13 +673,14 @@ def _update_states(
     change_all: bool,
     coupled_friction: bool,
 ) -> bool:
-    """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
+    """Compute the contact forces at speeds `v`, update the contact states, and return whether a state has changed.
 
-    `system` and `equations` are the arrays of reducer and step. The speeds `v` (unknowns,) are those of the solution.
-    At most one contact of each moving pin changes its state per call, the first that has to. Of all other contacts and
-    the shafts with drag, only one changes its state, or with `change_all` every one that has to. Without
-    `coupled_friction`, the result is also True as long as friction does not agree with the normal force. `predicted`
-    (unknowns,) are the midpoint speeds at which the `count` contacts were linearised, `half_step` is half of the time
+    A contact is open, sticks, or slides to either side; a shaft with drag sticks or slides. At most one contact of each
+    moving pin changes its state per call, the first that has to. Of all other contacts and the shafts, only one changes
+    its state, or with `change_all` every one that has to. Without `coupled_friction`, the result is also True while the
+    normal force of a sliding contact changes by more than `NEWTON.friction_rtol` of the largest force. `system` and
+    `equations` are the arrays of reducer and step. `v` (unknowns,) are the speeds of the solution, `predicted`
+    (unknowns,) the midpoint speeds at which the `count` contacts were linearised, and `half_step` is half of the time
     step [s].
     """
     has_changed, no_other_changed, largest_force, largest_change = False, True, 0.0, 0.0

@@ -173,7 +173,10 @@ def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossH
 
 
 def _describe_clamp_problem(reducer: Reducer) -> str:
-    """Return why cams cannot be clamped on the shaft by any screws, with the remedy; empty if they can."""
+    """Return why cams cannot be clamped on the shaft by any screws, with the remedy; empty if they can.
+
+    They need two discs, a metal shaft, and bearings with an inner ring.
+    """
     design, bearing = reducer.design, cam_bearing(reducer)
     if design.gear.discs != CLAMPED_DISCS:
         return f"the cams of {design.gear.discs} discs cannot be clamped: set gear.discs = 2, or choose another joint"

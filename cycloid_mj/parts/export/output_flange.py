@@ -52,7 +52,7 @@ class OutputFlange:
 def size_output_flange(
     reducer: Reducer, hub: stock.StockBearing, retainer: Retainer | None, lip_height: float
 ) -> OutputFlange:
-    """Choose screws, dowels and thickness of the output flange on a hub or on a disc of the output.
+    """Choose screws, dowels and thickness of the flange on the output's hub, or on its disc if that has the bearings.
 
     Parameters
     ----------

@@ -38,9 +38,10 @@ class Overhang:
 
 
 def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
-    """Yield the overhanging faces of a part that need a support: those that cannot be printed as bridges.
+    """Yield the level faces of a part above the plate that need a support when it is printed.
 
-    `shape` is the mesh of the part as it lies on the plate.
+    `shape` is the mesh of the part as it lies on the plate. Small ends of holes, which are printed as bridges, and
+    narrow ledges need none (`SUPPORTS`).
     """
     corners = shape.vertices[shape.faces]
     corner_a, corner_b, corner_c = corners.transpose(1, 0, 2)
