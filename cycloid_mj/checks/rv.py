@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from itertools import chain
 
+from cycloid_mj.base.units import MILLIMETRES, in_mm
 from cycloid_mj.checks.check import Check
 from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.mechanics import material_rules
@@ -12,6 +13,11 @@ from cycloid_mj.checks.teeth import TEETH, tooth_rules
 from cycloid_mj.design import PARTS
 from cycloid_mj.geometry.rv import dead_points, meshing_planet_teeth, planet_misfit
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.rv_main_bearings import (
+    list_main_bearings,
+    main_bearing_space,
+    min_flange_thickness,
+)
 
 
 def rv_checks(reducer: RvReducer) -> Iterator[Check]:
@@ -29,6 +35,7 @@ def rv_checks(reducer: RvReducer) -> Iterator[Check]:
             _wall_rules(reducer),
             _flange_rules(reducer),
             (_post_rule(reducer),),
+            _main_bearing_rules(reducer),
             _all_material_rules(reducer),
         ),
     )
@@ -230,6 +237,48 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         why="the tips of neighbouring planets must not meet",
         remedy="" if tip_radius < half_spacing else "raise planet.sun_teeth, or lower planet.planet_teeth",
         key="planet.planet_teeth",
+    )
+
+
+def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
+    """Yield the rules that main bearings, if the design has any, fit between flanges and housing, and on the flanges.
+
+    If none fits, the remedy is the smallest outer radius of the housing for which one does, if there is any.
+    """
+    if reducer.cranks.main_bearings == "none":
+        return
+    space, bearing = main_bearing_space(reducer), reducer.main_bearing
+    outsides = (item.outside for item in list_main_bearings(reducer) if space.fits_inside(item))
+    min_radius = min(outsides, default=math.inf) / 2.0 + reducer.flange_wall
+    has_remedy = bearing is None and math.isfinite(min_radius)
+    remedies = ['set cranks.main_bearings to "none"']
+    if has_remedy:
+        remedies.insert(0, f"set housing.outer_radius_mm to at least {in_mm(min_radius)}")
+    yield Check(
+        name="main_bearings",
+        passed=bearing is not None,
+        got=f"{reducer.cranks.main_bearings}, {bearing.designation if bearing else 'no bearing in stock'}",
+        limit=f"a bearing with {space}",
+        why="a main bearing is between a flange and the housing, and its outer ring retains the ring pins",
+        remedy="" if bearing else ", or ".join(remedies),
+        key="cranks.main_bearings",
+        changes=({"housing.outer_radius_mm": round(MILLIMETRES * min_radius, 6)},) if has_remedy else (),
+    )
+    if bearing:
+        yield Rule(
+            "main_bearing_width",
+            Limit("cranks.flange_thickness", "at least", min_flange_thickness(reducer, bearing)),
+            f"a flange has the seat of the main bearing {bearing.designation} and a shoulder next to it",
+        )
+    has_sleeves = reducer.design.ring.has_sleeves
+    yield Check(
+        name="main_bearings_and_sleeves",
+        passed=not has_sleeves,
+        got=reducer.design.ring.pins if reducer.design.ring.kind == "pin" else "none",
+        limit="pins without sleeves",
+        why="end plates support the pins inside of sleeves, and leave no space for main bearings",
+        remedy='set ring.pins to "free" or "fixed", or cranks.main_bearings to "none"' if has_sleeves else "",
+        key="ring.pins",
     )
 
 

@@ -127,7 +127,9 @@ def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         f"{reducer.design.rated_torque:.4g} N m",
     ]
     if not checks.failures:
-        lines.append(f"      mass {rv_mass(reducer):.4g} kg, without main bearings, screws and the shaft of the sun")
+        bearing = reducer.main_bearing
+        bearing_text = f"with main bearings 2 x {bearing.designation}, without" if bearing else "without main bearings,"
+        lines.append(f"      mass {rv_mass(reducer):.4g} kg, {bearing_text} screws and the shaft of the sun")
     if discs > 1:
         if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
             disc_text = "one part, turned by a step of the crank bores"

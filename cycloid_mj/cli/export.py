@@ -78,7 +78,8 @@ AssemblyFlag = Annotated[
         negative=(),
         help="Also write assembly.step (every part in its position at crank angle 0, with name and colour "
         "and the design's own clearances, without --offset-um; requires the extra cad), exploded.png "
-        "(the drive assembled and exploded) and assembly.txt (assembly instructions in ten steps).",
+        "(the drive assembled and exploded) and assembly.txt (assembly instructions in ten steps). For an RV reducer: "
+        "assembly.step and bom.csv, the bill of materials.",
     ),
 ]
 OffsetFlag = Annotated[

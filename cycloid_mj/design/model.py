@@ -1196,6 +1196,8 @@ class Design(Section, Presented):
         else:
             set_keys = [key for key, is_default in _unused_keys(self) if not is_default]
             remedy = "remove it; an RV reducer has neither a central crank nor output pins"
+            if "output.main_bearings" in set_keys:
+                remedy += ", and its main bearings are set by cranks.main_bearings"
         if set_keys:
             raise ValueError(f'layout = "{self.layout}" has no use for {", ".join(set_keys)}: {remedy}')
         return self

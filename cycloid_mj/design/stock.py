@@ -189,6 +189,20 @@ _THIN_BALL_BEARINGS = """
 dynamic and static load rating [kN] of FBJ's miniature and thin section bearings (68); 618/9 as 618/8 (assumed).
 """
 
+_ANGULAR_CONTACT = """
+71810 50 65 7 7.2 9.8   71811 55 72 9 9.9 13   71812 60 78 10 13 17.5   71813 65 85 10 13.2 18
+71814 70 90 10 13.5 20   71815 75 95 10 14 21   71816 80 100 10 14.1 22   71817 85 110 13 21 31
+71818 90 115 13 21 32   71819 95 120 13 21.5 33   71820 100 125 13 22 35.5   71821 105 130 13 22.3 36.5
+71822 110 140 16 31 49   71824 120 150 16 32 54.5   71826 130 165 18 37 64.5   71828 140 175 18 43 75.5
+71830 150 190 20 49 87.5   71832 160 200 20 53.5 67.5   71834 170 215 22 63.5 81   71836 180 225 22 66.5 86
+71838 190 240 24 76 101   71840 200 250 24 76 105.5   71844 220 270 24 78 110   71848 240 300 28 99 141
+71852 260 320 28 100.5 147.6   71856 280 350 33 128 191   71860 300 380 38 167 235   71864 320 400 38 170.5 241
+"""
+"""ISO 15:2017, dimension series 18, angular contact ball bearings with a contact angle of 25 deg for the flanges of an
+RV reducer: number, bore, outside, width, dynamic and static load rating [kN] of IBC, High Precision Bearings
+(TI-I-5050.0/E, 2010), type 718 E.
+"""
+
 _TAPERED_BEARINGS = """
 32004X 20 42 15 29.7 27 10 0.37     32005X 25 47 15 33.2 32.5 11 0.43   32006X 30 55 17 43.9 44 13 0.43
 32007X 35 62 18 52.3 54 14 0.46     32008X 40 68 19 64.7 71 14 0.37     32009X 45 75 20 71.7 80 16 0.4
@@ -803,6 +817,17 @@ def angular_contact_bearings() -> tuple[StockBearing, ...]:
         )
         for bearing in thin_ball_bearings()
         if "/" not in bearing.designation and bearing.bore <= ANGULAR_CONTACT.largest_bore
+    )
+
+
+@cache
+def catalogued_angular_contact_bearings() -> tuple[StockBearing, ...]:
+    """List the thin angular contact ball bearings of IBC, whose ratings are catalogued, the smallest first."""
+    return tuple(
+        StockBearing(
+            f"{number:g}.E", *_si(bore, outer_diameter, width), dynamic * KN, static * KN, ANGULAR_CONTACT.angle
+        )
+        for number, bore, outer_diameter, width, dynamic, static in _rows(_ANGULAR_CONTACT, 6)
     )
 
 

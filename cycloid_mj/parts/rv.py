@@ -1,7 +1,8 @@
 """The parts of an RV reducer: discs, ring, cranks with planets, sun, and the two flanges of the carrier.
 
 Along z, from the motor: planets and sun, flange 1, the discs, flange 2 with the posts. Crank 1 is on +y; cranks and
-posts are numbered clockwise. Not drawn: splines, screws, main bearings, and the shaft of the sun.
+posts are numbered clockwise. Not drawn: splines, screws, seals, and the shaft of the sun. Main bearings are drawn if
+the design has them (``cranks.main_bearings``).
 """
 
 from collections.abc import Iterator
@@ -21,6 +22,7 @@ from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.spur_gear import SpurGearContour
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
+from cycloid_mj.reducer.rv_main_bearings import main_bearing_ends, require_main_bearings
 
 CRANK, PLANET, SUN, CARRIER = names.CRANK, names.PLANET, names.SUN, "carrier"
 """Parts of an RV reducer, besides housing, pin and discs; the flanges are ``carrier_1`` and ``carrier_2``."""
@@ -29,6 +31,9 @@ NEEDLE, TAPERED_BEARING = "needle", "tapered_bearing"
 """Bearings of the cranks: a needle in a disc, and a tapered bearing in a flange, drawn as a ring."""
 
 FLANGES = names.all_numbered(CARRIER, 2)
+
+PIN_END_PLAY = 0.1e-3
+"""Distance of a ring pin from the outer ring of a main bearing at each end [m] (assumed, as from a metal cover)."""
 
 
 @dataclass(frozen=True)
@@ -77,18 +82,24 @@ def rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 
 def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
-    """Return a tapered bearing of the cranks as a ring about z = 0; its name is the only key."""
-    half = reducer.cranks.flange_thickness / 2.0
-    bore = (CircleContour(reducer.journal_radius),)
-    ring = Segment(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
-    return {TAPERED_BEARING: Part(TAPERED_BEARING, (ring,), reducer.design.material_of("shaft").density)}
+    """Return the bearings as rings about z = 0, by name: a tapered bearing of a crank, and a main bearing, if any."""
+    radii = {TAPERED_BEARING: (reducer.cranks.taper_radius, reducer.journal_radius, reducer.cranks.flange_thickness)}
+    if bearing := reducer.main_bearing:
+        radii[names.OUTPUT_BEARING] = 0.5 * bearing.outside, 0.5 * bearing.bore, bearing.width
+    density = reducer.design.material_of("shaft").density
+    return {
+        name: Part(
+            name, (Segment(name, CircleContour(outer), (CircleContour(inner),), -width / 2.0, width / 2.0),), density
+        )
+        for name, (outer, inner, width) in radii.items()
+    }
 
 
 def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return one part per moving body of an RV reducer by the name of its main part, in the frame of the body.
 
     A crank includes its planet. The carrier, named ``names.OUTPUT``, includes both flanges and the tapered bearings,
-    with the density of the flanges. Needles are not included.
+    with the density of the flanges. Needles and main bearings are not included.
 
     Raises
     ------
@@ -143,13 +154,37 @@ def _middle_hole(reducer: RvReducer) -> tuple[CircleContour, ...]:
 @once
 def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return the parts of an RV reducer by name, each once and in its own frame; computed once for each reducer."""
-    parts = [housing_part(reducer), *_rv_discs(reducer), *_crank_and_gears(reducer), *_carrier_flanges(reducer)]
+    require_main_bearings(reducer)
+    parts = [_rv_housing(reducer), *_rv_discs(reducer), *_crank_and_gears(reducer), *_carrier_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
-        parts.append(pin_part(reducer))
+        parts.append(_rv_pin(reducer))
     half_width = reducer.design.gear.face_width / 2.0
     needle = Segment(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half_width, half_width)
     parts.append(Part(NEEDLE, (needle,), reducer.design.material_of("shaft").density))
     return {part.name: part for part in parts}
+
+
+def _rv_housing(reducer: RvReducer) -> Part:
+    """Return the housing: the ring, and the seats of the main bearings at both ends, if there are any.
+
+    The ring is then as wide as the distance of the outer rings of the bearings.
+    """
+    ring, bearing = housing_part(reducer), reducer.main_bearing
+    if bearing is None:
+        return ring
+    start, end = main_bearing_ends(reducer, bearing)
+    seat = Segment("bearing seat", ring.segments[0].outline, (CircleContour(0.5 * bearing.outside),), start, end)
+    seats = replace(seat, z0=-end, z1=-start), seat
+    return ring.of([*(replace(segment, z0=-start, z1=start) for segment in ring.segments), *seats])
+
+
+def _rv_pin(reducer: RvReducer) -> Part:
+    """Return a ring pin; between the outer rings of main bearings it has `PIN_END_PLAY` at both ends."""
+    pin, bearing = pin_part(reducer), reducer.main_bearing
+    if bearing is None:
+        return pin
+    half_length = main_bearing_ends(reducer, bearing)[0] - PIN_END_PLAY
+    return pin.of([replace(segment, z0=-half_length, z1=half_length) for segment in pin.segments])
 
 
 def _rv_discs(reducer: RvReducer) -> Iterator[Part]:
@@ -197,7 +232,10 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
 
 
 def _carrier_flanges(reducer: RvReducer) -> Iterator[Part]:
-    """Yield both flanges of the carrier, the second with the posts, which reach to the first."""
+    """Yield both flanges of the carrier, the second with the posts, which reach to the first.
+
+    With main bearings, a flange has their seat next to the discs and a larger shoulder behind it.
+    """
     cranks, axial = reducer.cranks, axial_layout(reducer)
     holes = (*_middle_hole(reducer), *circles_at(cranks.taper_radius, crank_centres(reducer)))
     density = reducer.design.material_of("output").density
@@ -205,6 +243,23 @@ def _carrier_flanges(reducer: RvReducer) -> Iterator[Part]:
         Segment("post", post, (), axial.flanges[0][1], axial.flanges[1][0])
         for post in circles_at(cranks.post_radius, post_centres(reducer))
     ]
-    for name, (z0, z1), flange_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
-        flange = Segment("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
-        yield Part(name, (flange, *flange_posts), density)
+    for name, ends, flange_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
+        yield Part(name, (*_flange_segments(reducer, holes, *ends), *flange_posts), density)
+
+
+def _flange_segments(reducer: RvReducer, holes: tuple[CircleContour, ...], z0: float, z1: float) -> Iterator[Segment]:
+    """Yield the segments of a flange from `z0` to `z1` [m] with some `holes`: seat and shoulder of a main bearing.
+
+    Without main bearings, the flange is a single segment. The seat is next to the discs.
+    """
+    bearing, seat = reducer.main_bearing, CircleContour(reducer.flange_radius)
+    if bearing is None:
+        yield Segment("flange", seat, holes, z0, z1)
+        return
+    shoulder, (_, seat_end) = CircleContour(reducer.flange_outer_radius), main_bearing_ends(reducer, bearing)
+    if z0 < 0.0:
+        yield Segment("bearing seat", seat, holes, -seat_end, z1)
+        yield Segment("shoulder", shoulder, holes, z0, -seat_end)
+    else:
+        yield Segment("bearing seat", seat, holes, z0, seat_end)
+        yield Segment("shoulder", shoulder, holes, seat_end, z1)

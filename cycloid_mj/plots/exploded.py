@@ -13,12 +13,15 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, place_parts
+from cycloid_mj.parts.export.bill import bill_csv
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG, assembly_order
+from cycloid_mj.parts.export.print_files import BILL
+from cycloid_mj.parts.export.rv_bill import rv_bill
 from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.plots.save import encode_figure
 from cycloid_mj.plots.style import WIDTH, NotebookFigure, with_style
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 GAP = 0.12
 """Distance between parts of the exploded view, relative to the outer radius of the housing."""
@@ -33,9 +36,11 @@ ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded.png"
 def assembly_files(reducer: Reducer, casing: Casing | None) -> dict[str, bytes]:
     """Encode the assembly (STEP), and where there are covers its exploded view (PNG) and the order of assembly.
 
-    Errors as `assembly_step`.
+    An RV reducer has no covers; its bill of materials is added. Errors as `assembly_step`.
     """
     files = {ASSEMBLY: assembly_step(reducer, 0.0, casing)}
+    if isinstance(reducer, RvReducer):
+        return files | {BILL: bill_csv(rv_bill(reducer))}
     return files | instruction_files(reducer, casing) if casing else files
 
 

@@ -35,6 +35,7 @@ PARTS = {
     SUN: ("cam", "////"),
     NEEDLE: ("pins", ""),
     TAPERED_BEARING: ("pins", "xxxx"),
+    names.OUTPUT_BEARING: ("pins", "xxxx"),
 }
 """Family of parts -> style and hatching in the section."""
 
@@ -93,7 +94,7 @@ def _family(part: str) -> str:
 def _draw_dimensions(frame: ViewFrame, reducer: RvReducer) -> None:
     """Draw the dimensions of the section: stack of discs, total length, diameters of carrier and housing."""
     lower_end, upper_end = (end - frame.shift for end in frame.ends)
-    flange = MILLIMETRES * reducer.flange_radius
+    flange = MILLIMETRES * reducer.flange_outer_radius
     frame.draw_length((-frame.half_width, frame.half_width), 1, (-frame.outer, -frame.outer))
     frame.draw_length((lower_end, upper_end), 2, (-flange, -flange))
     frame.draw_outer_diameters(flange, upper_end)

@@ -13,6 +13,7 @@ from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.reducer.reducer import CACHED_DESIGNS, Reducer
 
 if TYPE_CHECKING:
+    from cycloid_mj.design.stock import StockBearing
     from cycloid_mj.geometry.involute import InvoluteGear
     from cycloid_mj.geometry.rv import RvKinematics
     from cycloid_mj.geometry.rv_loads import RvStage
@@ -178,8 +179,29 @@ class RvReducer(Reducer):
         return FLANGE_WALL * self.design.ring.pin_circle_radius
 
     @property
+    def main_bearing(self) -> "StockBearing | None":
+        """Main bearing on each flange of the carrier; None without main bearings, or if none in stock fits."""
+        from cycloid_mj.reducer.rv_main_bearings import choose_main_bearing
+
+        if self.cranks.main_bearings == "none":
+            return None
+        return self.kept("main_bearing", lambda: choose_main_bearing(self))
+
+    @property
     def flange_radius(self) -> float:
-        """Outer radius of the carrier's flanges [m]: bearings and posts, and a wall around them."""
+        """Radius of the carrier's flanges next to the discs [m]: that of the seats of the main bearings, if any."""
+        bearing = self.main_bearing
+        return 0.5 * bearing.bore if bearing else self.min_flange_radius
+
+    @property
+    def flange_outer_radius(self) -> float:
+        """Largest radius of the carrier's flanges [m]: that of the shoulders of the main bearings, if any."""
+        bearing = self.main_bearing
+        return bearing.shoulders[0] if bearing else self.min_flange_radius
+
+    @property
+    def min_flange_radius(self) -> float:
+        """Smallest radius of the carrier's flanges [m]: bearings of the cranks and posts, and a wall around them."""
         inner = max(self.crank_radius + self.cranks.taper_radius, self.post_circle_radius + self.cranks.post_radius)
         return inner + self.flange_wall
 

@@ -128,3 +128,16 @@ def test_an_insert_is_chosen_by_its_thread() -> None:
 
 def test_inserts_have_a_hole_larger_than_their_thread() -> None:
     assert all(one.hole > one.thread for one in stock.inserts())
+
+
+def test_catalogued_angular_contact_bearings_have_the_sizes_of_their_series() -> None:
+    catalogued = {one.designation.removesuffix(".E"): one for one in stock.catalogued_angular_contact_bearings()}
+    assert [*catalogued] == sorted(catalogued)
+    same = [one for one in stock.angular_contact_bearings() if one.designation.split()[0] in catalogued]
+    assert len(same) == 17
+    for estimated in same:
+        one = catalogued[estimated.designation.split()[0]]
+        assert (one.bore, one.outside, one.width) == (estimated.bore, estimated.outside, estimated.width)
+        assert one.contact_angle == estimated.contact_angle
+        assert 0.8 < one.dynamic / estimated.dynamic < 1.3, "the estimate by balls and contact angle"
+    assert (catalogued["71826"].dynamic, catalogued["71826"].static) == (37000.0, 64500.0)

@@ -224,11 +224,11 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, casing: Casing | None
     assembled_parts = assembly_parts(reducer, casing) if casing and not cam_seat else {}
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, casing).items():
         bore_text = _format_bore(reducer, casing) if name == names.SHAFT else ""
-        material = _material_name(part_material(reducer, name, casing))
+        material = material_name(part_material(reducer, name, casing))
         drawn_part = assembled_parts.get(name, part.drawn)
         mass = part.count * mass_properties(drawn_part.solid(EXPORT_CHORD_ERROR)).mass
         mass -= drawn_part.density * _drilled_volume(reducer, name) if casing else 0.0
-        size, fit = _format_extent(drawn_part) + bore_text, _describe_machining(joints, name)
+        size, fit = format_extent(drawn_part) + bore_text, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
 
@@ -295,7 +295,7 @@ def _casing_lines(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
     ):
         part = parts[item]
         size, solid = (
-            _format_dimensions(part.dimensions),
+            format_dimensions(part.dimensions),
             Part(item, cut_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR),
         )
         mass = counts[item] * filling(item) * mass_properties(solid).mass
@@ -500,17 +500,17 @@ def _round_line(
     outer_radius, inner_radius = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
     volume = math.pi * (outer_radius**2 - inner_radius**2) * (cut_length or length)
     mass = count * volume * (material.density if material else STEEL * filling(item))
-    name = _material_name(material) if material else ""
+    name = material_name(material) if material else ""
     dimensions = [*((name, 2.0 * radius) for name, radius in radii), ("length", length)]
-    return BillLine(item, count, _format_dimensions(dimensions), name, "bought", mass_kg=mass)
+    return BillLine(item, count, format_dimensions(dimensions), name, "bought", mass_kg=mass)
 
 
-def _material_name(material: Material) -> str:
+def material_name(material: Material) -> str:
     """Return the name of a material, or its stiffness and density if it has no name."""
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 
-def _format_extent(part: Part) -> str:
+def format_extent(part: Part) -> str:
     """Format length x width x height of a manufactured part, exactly where its outlines are circles."""
     corners = np.array([_bounding_box(segment.outline) for segment in part.segments])
     sides = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
@@ -526,6 +526,6 @@ def _bounding_box(contour: Contour) -> tuple[Array, Array]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def _format_dimensions(dimensions: Iterable[tuple[str, float]]) -> str:
+def format_dimensions(dimensions: Iterable[tuple[str, float]]) -> str:
     """Format named dimensions [m]."""
     return " x ".join(f"{name} {in_mm(length)}" for name, length in dimensions) + " mm"

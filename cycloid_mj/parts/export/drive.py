@@ -6,10 +6,8 @@ from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
+from cycloid_mj.parts.export.rv_assembly import BEARING_FILL
 from cycloid_mj.reducer import Reducer, RvReducer, once
-
-BEARING_FILL = 0.67
-"""Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
 
 SEAL_FILL = 0.5
 """Mass of a seal ring relative to a solid ring of steel: a steel ring in rubber, with a hollow lip (assumed)."""

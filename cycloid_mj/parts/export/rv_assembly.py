@@ -27,18 +27,23 @@ from cycloid_mj.parts.rv import (
     rv_parts,
 )
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.rv_main_bearings import main_bearing_ends
+
+BEARING_FILL = 0.67
+"""Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
 
 RV_COLOURS: Mapping[str, Colour] = {
     **COLOURS,
     CARRIER: COLOURS[names.OUTPUT],
     NEEDLE: (0.83, 0.84, 0.86, 1.0),
     TAPERED_BEARING: (0.7, 0.72, 0.75, 1.0),
+    names.OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
 }
 """Colours by family of parts."""
 
 RV_ALONG = (
     *(SUN, PLANET, FLANGES[0], CRANK, TAPERED_BEARING, NEEDLE),
-    *(names.GEAR, names.PIN, names.HOUSING, FLANGES[1]),
+    *(names.GEAR, names.PIN, names.HOUSING, names.OUTPUT_BEARING, FLANGES[1]),
 )
 """Families of parts, and the flanges, in their order along the axis of an exploded view, from input to output."""
 
@@ -54,10 +59,16 @@ def rv_mass(reducer: RvReducer) -> float:
 
 
 def rv_masses(reducer: RvReducer) -> dict[str, float]:
-    """Compute the mass of each part of `rv_assembly_parts` in its number [kg], by name; raises the same errors."""
+    """Compute the mass of each part of `rv_assembly_parts` in its number [kg], by name; raises the same errors.
+
+    Main bearings have `BEARING_FILL` times the mass of a solid ring; the rings of the tapered bearings are solid.
+    """
     counts = Counter(placement.part for placement in place_rv_parts(reducer))
     parts = rv_assembly_parts(reducer)
-    return {name: count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items()}
+    masses = {name: mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
+    if names.OUTPUT_BEARING in masses:
+        masses[names.OUTPUT_BEARING] *= BEARING_FILL
+    return {name: count * masses[name] for name, count in counts.items()}
 
 
 def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
@@ -85,6 +96,10 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
         yield from _place_needles(reducer, number, (x, y), crank)
     if reducer.design.ring.kind == "pin":
         yield from place_ring_pins(reducer, 0.0)
+    if main_bearing := reducer.main_bearing:
+        middle = 0.5 * sum(main_bearing_ends(reducer, main_bearing))
+        for name, z in zip(names.all_numbered(names.OUTPUT_BEARING, 2), (-middle, middle), strict=True):
+            yield PlacedPart(name, names.OUTPUT_BEARING, (0.0, 0.0, z), 0.0, names.HOUSING)
 
 
 def _place_needles(

@@ -2,7 +2,8 @@
 
 Fits of the crank bearings: the load is at rest on the outer rings of the tapered bearings and turns on their inner
 rings, so H7 and k6 (SKF, Rolling bearings, 2018); raceways of needles without rings h5 and G6 (INA needle roller
-bearings). Splines, screws and main bearings have no drawn geometry, as in ``parts.rv``.
+bearings). The load on the output is at rest or swings with it, so main bearings have H6 outside and k5 on the flanges,
+as the bearings of the output of a central crank. Splines and screws have no drawn geometry, as in ``parts.rv``.
 """
 
 import math
@@ -33,6 +34,9 @@ from cycloid_mj.reducer import RvReducer
 
 INNER_RING, OUTER_RING, NEEDLE_SHAFT, NEEDLE_BORE = "k6", "H7", "h5", "G6"
 """Tolerance zones of the seats of tapered bearings on crank and in flange, and of the raceways of needles."""
+
+MAIN_SEAT, MAIN_BORE = "k5", "H6"
+"""Tolerance zones of the seats of main bearings on the flanges and in the housing (as ``ANGULAR_HUB_FIT``)."""
 
 POSITION, LOOSE_POSITION, RUN_OUT = 0.01, 0.2, 0.01
 """Position of crank bores, and of posts and their windows; run-out of seats and teeth [mm] (assumed)."""
@@ -70,6 +74,11 @@ def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
 
 def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
     """Return the tolerance zone of a surface of a part about its axis; empty if it is free. `radius` is in [m]."""
+    bearing = reducer.main_bearing
+    if bearing and name in FLANGES and not inner and abs(radius - 0.5 * bearing.bore) < SAME_LENGTH:
+        return MAIN_SEAT
+    if bearing and name == names.HOUSING and inner and abs(radius - 0.5 * bearing.outside) < SAME_LENGTH:
+        return MAIN_BORE
     if name != CRANK or inner:
         return ""
     on_eccentric = abs(radius - reducer.cranks.eccentric_radius) < SAME_LENGTH
@@ -81,6 +90,8 @@ def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
     design, cranks = reducer.design, reducer.cranks
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "the axis (datum A)")
+        if reducer.main_bearing:
+            yield f"run-out of the seats and shoulders of the main bearings to A: {RUN_OUT}"
     elif names.family(name) == names.GEAR:
         yield describe_lobes(design, "A, the axis of the crank bores' circle")
         yield _describe_hole_pattern(
@@ -95,7 +106,9 @@ def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
         )
         if name == FLANGES[1]:
             yield _describe_hole_pattern(post_centres(reducer), cranks.post_radius, "", "posts", LOOSE_POSITION)
-        yield "bore both flanges together; datum A: axis of the circle of the seats; screws and main bearings not drawn"
+        yield f"bore both flanges together; datum A: axis of the circle of the seats; {_describe_undrawn(reducer)}"
+        if reducer.main_bearing:
+            yield f"run-out of the seat and shoulder of the main bearing to A: {RUN_OUT}"
     elif name == CRANK:
         angles = ", ".join(f"{math.degrees(phase) % 360.0:.4g}°" for phase in reducer.phases)
         yield f"datum A: common axis of both journals; eccentrics at {angles}, parallel to A within {RUN_OUT}"
@@ -105,6 +118,11 @@ def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
         sun, planet = reducer.stage_gears
         yield from _describe_teeth(sun if name == SUN else planet)
         yield f"radial run-out of the teeth to the bore: {RUN_OUT}" if name == PLANET else "shaft of the sun not drawn"
+
+
+def _describe_undrawn(reducer: RvReducer) -> str:
+    """Return a note on the parts that the drawing of a flange does not show."""
+    return "screws not drawn" if reducer.main_bearing else "screws and main bearings not drawn"
 
 
 def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:

@@ -1,0 +1,125 @@
+"""Main bearings of an RV reducer: a preloaded pair in stock, back to back, one on each flange of the carrier.
+
+The outer rings are in the housing, against its shoulders next to the ring pins, which they retain along the axis. The
+inner rings are on the flanges, which clamp them by a shoulder at their outer faces.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import in_mm
+from cycloid_mj.design import stock
+from cycloid_mj.reducer.bending import AXIAL_GAP
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer.rv import RvReducer
+
+
+@dataclass(frozen=True)
+class MainBearingSpace:
+    """Space for a main bearing between a flange of the carrier and the housing [m].
+
+    Attributes
+    ----------
+    min_bore
+        Diameter of the flange, with walls around tapered bearings and posts.
+    min_outside, max_outside
+        Diameter out to which the sockets of the ring pins reach, and largest diameter that leaves a wall of the
+        housing.
+    max_shoulder
+        Largest radius of the shoulder of the outer ring, which retains the ring pins.
+    """
+
+    min_bore: float
+    min_outside: float
+    max_outside: float
+    max_shoulder: float
+
+    def __str__(self) -> str:
+        """Describe the bearings that fit."""
+        return (
+            f"a bore of at least {in_mm(self.min_bore)} mm, an outside diameter of {in_mm(self.min_outside)} to "
+            f"{in_mm(self.max_outside)} mm, and a shoulder of the outer ring of at most "
+            f"{in_mm(2.0 * self.max_shoulder)} mm"
+        )
+
+    def fits_inside(self, bearing: stock.StockBearing) -> bool:
+        """Return whether the flange fits into a bearing that retains the ring pins, whatever the housing."""
+        return (
+            bearing.bore > self.min_bore - stock.ROUNDING
+            and bearing.outside > self.min_outside - stock.ROUNDING
+            and bearing.shoulders[1] < self.max_shoulder + stock.ROUNDING
+        )
+
+    def fits(self, bearing: stock.StockBearing) -> bool:
+        """Return whether a bearing fits between flange and housing, and retains the ring pins."""
+        return self.fits_inside(bearing) and bearing.outside < self.max_outside + stock.ROUNDING
+
+
+def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
+    """Return the space for the main bearings of an RV reducer, whatever its `cranks.main_bearings`."""
+    design = reducer.design
+    return MainBearingSpace(
+        min_bore=2.0 * reducer.min_flange_radius,
+        min_outside=2.0 * design.ring_root_radius,
+        max_outside=2.0 * (design.housing.outer_radius - reducer.flange_wall),
+        max_shoulder=design.pin_retaining_radius,
+    )
+
+
+def list_main_bearings(reducer: "RvReducer") -> tuple[stock.StockBearing, ...]:
+    """List the stock bearings of the type that the design requires, the smallest first; empty without main bearings."""
+    kinds = {"angular_contact": stock.catalogued_angular_contact_bearings, "tapered": stock.tapered_bearings}
+    kind = reducer.cranks.main_bearings
+    return kinds[kind]() if kind in kinds else ()
+
+
+def choose_main_bearing(reducer: "RvReducer") -> stock.StockBearing | None:
+    """Return the largest bearing that fits between flange and housing; None without main bearings or if none fits."""
+    space = main_bearing_space(reducer)
+    return next((bearing for bearing in reversed(list_main_bearings(reducer)) if space.fits(bearing)), None)
+
+
+def main_bearing_ends(reducer: "RvReducer", bearing: stock.StockBearing) -> tuple[float, float]:
+    """Return the ends along z [m] of the main bearing `bearing` away from the planets; the other is its mirror image.
+
+    It begins at the face of its flange next to the discs.
+    """
+    start = 0.5 * reducer.design.gear.stack_width + AXIAL_GAP
+    return start, start + bearing.width
+
+
+def main_bearing_load_centre(reducer: "RvReducer", bearing: stock.StockBearing) -> float:
+    """Return the position along z [m] of the load centre of the main bearing `bearing` away from the planets.
+
+    The lines of contact meet the axis there. The load centre of the other bearing is its mirror image.
+    """
+    return 0.5 * sum(main_bearing_ends(reducer, bearing)) + bearing.load_centre_offset
+
+
+def min_flange_thickness(reducer: "RvReducer", bearing: stock.StockBearing) -> float:
+    """Return the smallest thickness [m] of a flange that has the seat of a `bearing` and the shoulder next to it."""
+    return bearing.width + reducer.flange_wall
+
+
+def require_main_bearings(reducer: "RvReducer") -> None:
+    """Raise DesignError if the design has main bearings that do not fit; `design check` states what to change."""
+    if reducer.cranks.main_bearings == "none":
+        return
+    bearing, thickness = reducer.main_bearing, reducer.cranks.flange_thickness
+    if bearing is None:
+        raise DesignError(
+            f'no bearing of the type cranks.main_bearings = "{reducer.cranks.main_bearings}" in stock has '
+            f"{main_bearing_space(reducer)}"
+        )
+    if reducer.design.ring.has_sleeves:
+        raise DesignError(
+            "the pins inside of sleeves require end plates, which leave no space for main bearings: set "
+            'cranks.main_bearings = "none", or ring.pins = "free" or "fixed"'
+        )
+    if thickness < min_flange_thickness(reducer, bearing) - stock.ROUNDING:
+        raise DesignError(
+            f"cranks.flange_thickness_mm = {in_mm(thickness)} is too small for the main bearing {bearing.designation} "
+            f"and its shoulder: set it to at least {in_mm(min_flange_thickness(reducer, bearing))}"
+        )
