@@ -272,12 +272,12 @@ def _mean_losses(motion: Series) -> tuple[Loss, ...]:
     Kinds whose losses are 0 in every sample are omitted. `motion` are the time series of the run.
     """
     run = motion.run
-    by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
+    friction_powers, damping_powers = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     losses = []
-    for kind, friction in sorted(by_friction.items()):
-        damping = by_damping.get(kind, np.zeros(len(run)))
-        if friction.any() or damping.any():
-            losses.append(Loss(kind, _mean(friction, motion), _mean(damping, motion)))
+    for kind, friction_power in sorted(friction_powers.items()):
+        damping_power = damping_powers.get(kind, np.zeros(len(run)))
+        if friction_power.any() or damping_power.any():
+            losses.append(Loss(kind, _mean(friction_power, motion), _mean(damping_power, motion)))
     return tuple(losses)
 
 

@@ -219,9 +219,9 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
             "Simulate the design again with a longer --hold-s"
         )
     if window.reaches_hold(reducer, run.time):
-        in_hold = window.in_hold(reducer, run.time, settle)
+        is_in_hold = window.in_hold(reducer, run.time, settle)
     else:
-        in_hold = np.zeros(len(run), dtype=np.bool_)
+        is_in_hold = np.zeros(len(run), dtype=np.bool_)
     q = _check_point(q, reducer)
     angle, speed = run[driven_angle], run[driven_speed]
     return Series(
@@ -230,7 +230,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         disc=0,
         q=q,
         ramp=window.in_ramp(reducer, run.time),
-        hold=in_hold,
+        hold=is_in_hold,
         crank_speed=Compared(speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
         output_angle=Compared(run["output_angle"], reducer.member.output_angle(angle)),
         output_speed=Compared(run["output_speed"], reducer.member.output_angle(speed)),
@@ -322,11 +322,11 @@ def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     of the shortened run states the time of the first omitted sample. Raises LogError if one of the columns
     `column_names`, which the analysis needs, is missing.
     """
-    missing = [name for name in column_names if name not in run.columns]
-    if missing:
+    missing_names = [name for name in column_names if name not in run.columns]
+    if missing_names:
         raise LogError(
-            f"{run.label} lacks {len(missing)} of the {len(column_names)} columns that the analysis needs: "
-            f"{', '.join(missing)}. Run `cycloid-mj simulate` again to write a complete log"
+            f"{run.label} lacks {len(missing_names)} of the {len(column_names)} columns that the analysis needs: "
+            f"{', '.join(missing_names)}. Run `cycloid-mj simulate` again to write a complete log"
         )
     is_valid = np.ones(len(run), dtype=np.bool_)
     for column_values in run.columns.values():

@@ -232,17 +232,17 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
     Array
         Interpolated values, shape (k,).
     """
-    padded = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
+    padded_values = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
     index = np.clip(np.floor(sample_numbers).astype(np.int64), 0, len(values) - 1)
-    total, weights = np.zeros(len(sample_numbers)), np.zeros(len(sample_numbers))
+    weighted_sum, weights = np.zeros(len(sample_numbers)), np.zeros(len(sample_numbers))
     for offset in range(1 - SPECTRUM.reach, SPECTRUM.reach + 1):
         distance = sample_numbers - index - offset
         weight = np.sinc(distance) * np.i0(
             SPECTRUM.kaiser_beta * np.sqrt(np.clip(1.0 - (distance / SPECTRUM.reach) ** 2, 0.0, 1.0))
         )
-        total += weight * padded[index + offset + SPECTRUM.reach]
+        weighted_sum += weight * padded_values[index + offset + SPECTRUM.reach]
         weights += weight
-    return np.asarray(total / weights)
+    return np.asarray(weighted_sum / weights)
 
 
 def decimate(values: Array, factor: int, means: bool = False) -> Array:

@@ -143,9 +143,9 @@ class LimitedConnection(H11Protocol):
         """Abort the connection if the client takes none of the `unsent` bytes of a response within the time-out."""
 
         def abort_if_stalled() -> None:
-            remaining = self.transport.get_write_buffer_size()
-            if remaining < unsent:
-                self._watch_progress(remaining)
+            remaining_bytes = self.transport.get_write_buffer_size()
+            if remaining_bytes < unsent:
+                self._watch_progress(remaining_bytes)
             else:
                 self.transport.abort()
 

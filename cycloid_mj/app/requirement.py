@@ -104,8 +104,8 @@ def parse_form(form: Any) -> Requirement:
         )
     values = {key: value for key, value in form.items() if value not in ("", None)}
     allowed_fields = (*INTEGERS, *NUMBERS, *WORDS, "custom")
-    if unknown := set(values) - set(allowed_fields):
-        raise UsageError(f"the form has an unknown field {min(unknown)!r}: use only {', '.join(allowed_fields)}")
+    if unknown_fields := set(values) - set(allowed_fields):
+        raise UsageError(f"the form has an unknown field {min(unknown_fields)!r}: use only {', '.join(allowed_fields)}")
     for key in ("ratio", "diameter_mm", "torque_nm"):
         if key not in values:
             raise UsageError(f"the {key.partition('_')[0]} is missing: enter a number greater than 0")
@@ -253,8 +253,8 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: size_with_covers[key] for figure, key in sizes.items()} if size_with_covers else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
-    violated = {field: result for field, result in verdicts.items() if result["judgement"] != Judgement.PASSED}
-    requirement_texts = [f"{NAMES[field]}: {result['words']} required" for field, result in violated.items()]
+    violations = {field: result for field, result in verdicts.items() if result["judgement"] != Judgement.PASSED}
+    requirement_texts = [f"{NAMES[field]}: {result['words']} required" for field, result in violations.items()]
     words = "; ".join([*requirement_texts, *filter(None, (reason,))])
     return {
         "title": drive.title,
@@ -280,6 +280,6 @@ def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
             Judgement.WARNING,
             f"{passed_count} of {total} drives meet{'s' if passed_count == 1 else ''} the requirements",
         )
-    judged = [item for drive in drives for item in drive["verdicts"].items()]
-    violated = dict.fromkeys(NAMES[field] for field, judged in judged if judged["judgement"] != Judgement.PASSED)
-    return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(violated)}")
+    verdicts = [item for drive in drives for item in drive["verdicts"].items()]
+    names = dict.fromkeys(NAMES[field] for field, result in verdicts if result["judgement"] != Judgement.PASSED)
+    return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(names)}")

@@ -240,17 +240,17 @@ def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str, float]:
     """
     if rating.parts == "toleranced":
         load, _ = load_of(reducer)
-        (rated, limiting_item), (momentary, _) = rated_and_momentary_torque(rating.items.values(), load, rating.life)
-        return rated, limiting_item.name, momentary
+        (torque, limiting_item), (momentary, _) = rated_and_momentary_torque(rating.items.values(), load, rating.life)
+        return torque, limiting_item.name, momentary
     design = reducer.design
     try:
         life = design.service.life
-        rated, limiting_item = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
+        torque, limiting_item = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
         momentary = figure("momentary_torque_nm").value(reducer)
     except CycloidError as error:
         return 0.0, str(error), 0.0
     rating_result = (
-        (rated, limiting_item.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+        (torque, limiting_item.name) if torque < momentary else (momentary, "emergency stop at twice the torque")
     )
     return *rating_result, momentary
 
@@ -313,8 +313,8 @@ def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, floa
     """
     if check.severity != "error":
         return list(check.changes)
-    completed = [_complete_change(reducer, change, MAX_FOLLOWING) for change in check.changes]
-    return sorted((change for change in completed if change), key=len) or list(check.changes)
+    completed_changes = [_complete_change(reducer, change, MAX_FOLLOWING) for change in check.changes]
+    return sorted((change for change in completed_changes if change), key=len) or list(check.changes)
 
 
 def _complete_change(reducer: Reducer, change: Mapping[str, float], max_additions: int) -> Mapping[str, float] | None:

@@ -320,8 +320,8 @@ class Calibration(Presented):
         )
         rows: list[tuple[str | float, ...]] = []
         for loop_index, loop in enumerate(self.fitted.loops):
-            rms, without_offset = self.fitted.rms(loop_index), self.fitted.rms_without_offset(loop_index)
-            share_texts = f"{rms / loop.height:.1%}", f"{without_offset / loop.height:.1%}"
+            rms, rms_without_offset = self.fitted.rms(loop_index), self.fitted.rms_without_offset(loop_index)
+            share_texts = f"{rms / loop.height:.1%}", f"{rms_without_offset / loop.height:.1%}"
             degrees = loop.height / DEGREE, rms / DEGREE
             rows.append((loop.name, float(len(loop.torque)), *degrees, *share_texts, 2.0 * loop.most))
         return Table("loops", header, tuple(rows))
@@ -650,8 +650,8 @@ def _writable_design(reducer: Reducer) -> Design:
     design = reducer.design
     if not isinstance(reducer, RvReducer):
         return design
-    without_springs = design.model_copy(update={"springs": StructureSprings()})
-    return without_springs.but(drag={"output": design.springs.friction})
+    design_without_springs = design.model_copy(update={"springs": StructureSprings()})
+    return design_without_springs.but(drag={"output": design.springs.friction})
 
 
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
@@ -667,13 +667,13 @@ def _estimate_value(fitted: Fitted, index: int) -> Estimate:
     lower_bound, upper_bound = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
     margin = SETTINGS.difference_step
     is_bounded = lower_bound + margin < interval[0] and interval[1] < upper_bound - margin
-    at_bound, prior_share = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
+    is_at_bound, prior_share = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
     is_identified = bool(
-        not at_bound and is_bounded and prior_share < LIMITS.max_prior_share and high - low < abs(value)
+        not is_at_bound and is_bounded and prior_share < LIMITS.max_prior_share and high - low < abs(value)
     )
     likeliest, half_width = float(fitted.likeliest[index]), float(fitted.uncertainty.half_widths[index])
     noise_interval = math.nan, math.nan
-    if not at_bound:
+    if not is_at_bound:
         noise_interval = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
     prior_values = parameter.start, parameter.deviation, parameter.source
     return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise_interval, is_identified, *prior_values)

@@ -305,16 +305,16 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     # the residuals of the priors are last
     slopes = problem.slopes(scaled_values, range(len(scaled_values)), central=True)[: sum(map(len, loop_residuals))]
     prior_slopes = MODEL_ERROR * problem.prior_weights
-    at_bound = ~((scaled_values > low + PROFILE.bound_distance) & (scaled_values < high - PROFILE.bound_distance))
+    is_at_bound = ~((scaled_values > low + PROFILE.bound_distance) & (scaled_values < high - PROFILE.bound_distance))
     slopes_by_loop = np.split(slopes, np.cumsum([len(residuals) for residuals in loop_residuals])[:-1])
     weighted_residuals = [residuals / np.sqrt(len(residuals)) for residuals in loop_residuals]
-    uncertainty = estimate_uncertainty(slopes_by_loop, weighted_residuals, ~at_bound, prior_slopes)
+    uncertainty = estimate_uncertainty(slopes_by_loop, weighted_residuals, ~is_at_bound, prior_slopes)
     uncertainty_unbounded = (
-        estimate_uncertainty(slopes_by_loop, weighted_residuals, np.ones_like(at_bound), prior_slopes)
-        if at_bound.any()
+        estimate_uncertainty(slopes_by_loop, weighted_residuals, np.ones_like(is_at_bound), prior_slopes)
+        if is_at_bound.any()
         else uncertainty
     )
-    estimates = (uncertainty_unbounded if bound else uncertainty for bound in at_bound.tolist())
+    estimates = (uncertainty_unbounded if bound else uncertainty for bound in is_at_bound.tolist())
     half_width = np.array(
         [
             estimate.half_widths[index] + MODEL_ERROR * estimate.inverse[index, index] ** 0.5
@@ -334,7 +334,7 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
         residuals=tuple(loop_residuals),
         slopes=slopes,
         uncertainty=uncertainty,
-        at_bound=at_bound,
+        at_bound=is_at_bound,
         ends=ends,
         prior_share=prior_slopes**2 * np.diag(uncertainty.inverse),
         torque_offset=problem.torque_offset,
@@ -409,7 +409,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, minima: Sequence[tuple[
     Array or None
         Scaled values (v,) with a lower cost than the solution; None if no search reached any.
     """
-    inverse, lowest_cost = fitted.uncertainty.inverse, minima[0][0]
+    inverse_information, lowest_cost = fitted.uncertainty.inverse, minima[0][0]
     is_distinct = [np.any(np.abs(values - fitted.likeliest) > fitted.uncertainty.errors) for _, values in minima[1:]]
     minima = [minima[0], *(minimum for minimum, distinct in zip(minima[1:], is_distinct, strict=True) if distinct)]
     is_unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
@@ -422,7 +422,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, minima: Sequence[tuple[
             ends_done += 1
             linear_distance = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
-            allowed_rise, reached_distances = 0.5 * linear_distance**2 / inverse[index, index], []
+            allowed_rise, reached_distances = 0.5 * linear_distance**2 / inverse_information[index, index], []
             for cost, minimum_values in minima:
                 if (remaining_rise := allowed_rise - (cost - lowest_cost)) <= 0.0:
                     continue
@@ -462,10 +462,10 @@ def _profile_distance(
         The signed distance. Cost and scaled values of a point with a lower cost than the minimum, if a search reached
         one, else None.
     """
-    (cost, minimum_values), inverse = minimum, fitted.uncertainty.inverse
-    direction = inverse[:, index] / inverse[index, index]
+    (cost, minimum_values), inverse_information = minimum, fitted.uncertainty.inverse
+    direction = inverse_information[:, index] / inverse_information[index, index]
     limit = float(problem.bounds[side][index] - minimum_values[index])
-    distance = (2.0 * allowed_rise * float(inverse[index, index])) ** 0.5
+    distance = (2.0 * allowed_rise * float(inverse_information[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
     last_rise = last_distance = rise = 0.0
     better_values = None

@@ -341,8 +341,8 @@ def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
     the degrees of freedom are infinite.
     """
     order = np.argsort(x)
-    upper = int(np.searchsorted(x[order], level))
-    lower_value, upper_value = y[order[upper - 1]], y[order[upper]]
+    upper_index = int(np.searchsorted(x[order], level))
+    lower_value, upper_value = y[order[upper_index - 1]], y[order[upper_index]]
     return (float(np.interp(level, x[order], y[order])), float(upper_value - lower_value) ** 2 / 12.0, math.inf)
 
 

@@ -302,8 +302,8 @@ def protocol(
     back_driving = model_quantities.get("back_driving_torque_nm")
     if back_driving and math.isnan(back_driving.value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
-    incomplete = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
-    notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]
+    incomplete_loops = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
+    notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete_loops]
     return Protocol(
         reducer.design.name,
         rated_torque,

@@ -136,17 +136,17 @@ def _add_papers(app: App, group: Group, imported: bool) -> None:
     If a single such package is installed, ``reproduce`` is its command, otherwise a group with a command for each.
     Without `imported`, only the name ``reproduce`` is added, and no package is imported.
     """
-    installed: Sequence[Paper] = ()
+    installed_papers: Sequence[Paper] = ()
     if imported:
         from cycloid_mj.papers import papers
 
-        installed = [paper for paper in papers() if _has_command(paper)]
-    if len(installed) == 1:
-        command, examples = installed[0].command, installed[0].examples
+        installed_papers = [paper for paper in papers() if _has_command(paper)]
+    if len(installed_papers) == 1:
+        command, examples = installed_papers[0].command, installed_papers[0].examples
         app.command(command, name=REPRODUCE, group=group, sort_key=0, help_epilogue=examples)
     else:
         papers_app = CompletingApp(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
-        for paper in installed:
+        for paper in installed_papers:
             papers_app.command(paper.command, name=paper.key, help_epilogue=paper.examples)
         app.command(papers_app)
     if imported:
@@ -168,10 +168,10 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
             command, bound_arguments, _ = app.parse_args(words)
             return command, bound_arguments
         except CoercionError as error:
-            corrected = correct_case(error, words)
-            if corrected is None:
+            corrected_words = correct_case(error, words)
+            if corrected_words is None:
                 raise
-            words = corrected
+            words = corrected_words
 
 
 def _has_command(paper: "Paper") -> bool:

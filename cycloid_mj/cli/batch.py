@@ -69,9 +69,9 @@ def run_all(
         ]
         try:
             wait(runs, return_when=FIRST_EXCEPTION)
-            failed = next((run for run in runs if run.done() and run.exception()), None)
-            if failed is not None:
-                failed.result()
+            failed_run = next((run for run in runs if run.done() and run.exception()), None)
+            if failed_run is not None:
+                failed_run.result()
         except KeyboardInterrupt as stop:
             total_progress.stop(signal_name(stop))
             raise RunError(_stop_message(jobs, stop)) from stop

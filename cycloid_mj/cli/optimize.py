@@ -128,9 +128,9 @@ def optimize(
     task = define_problem(
         reducer_of(design_options.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow
     )
-    resumed = has_study(Path(output_flags.out or OUT), STUDY)
+    is_resumed = has_study(Path(output_flags.out or OUT), STUDY)
     destination = claim_destination(
-        output_flags, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=resumed
+        output_flags, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=is_resumed
     )
     directory = destination.folder or Path(OUT)
     if output_flags.force:

@@ -107,8 +107,8 @@ class Progress:
         start, start_time = self._first or (0.0, simulated_time)
         if simulated_time <= start_time:
             return line
-        remaining = seconds_left(start, (simulated_time - start_time) / (self._end - start_time))
-        return f"{line}, about {remaining:.0f} s left"
+        remaining_time = seconds_left(start, (simulated_time - start_time) / (self._end - start_time))
+        return f"{line}, about {remaining_time:.0f} s left"
 
 
 def seconds_left(start: float, share: float) -> float:

@@ -189,13 +189,13 @@ def stress(
     for module in ("gmsh", "skfem"):
         import_package(module)
     keep_freed_memory()
-    selected = (flags.load_design(name, set_, (), at_c) for name in names)
+    selected_designs = (flags.load_design(name, set_, (), at_c) for name in names)
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        return _write_springs(list(selected), load_nm, mounts, output_flags)
+        return _write_springs(list(selected_designs), load_nm, mounts, output_flags)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=map_angle)
     arguments = (part, settings, output_flags)
-    job = _read_logs(log, names, *arguments) if log else _simulate_designs(list(selected), load_nm, *arguments)
+    job = _read_logs(log, names, *arguments) if log else _simulate_designs(list(selected_designs), load_nm, *arguments)
     studies = _study_parts(job.runs, job.grids, settings, output_flags.quiet)
     outcome = outcome_of(studies, job.destination, _choose_figures(figure, job.destination))
     return deliver(outcome, job.destination, output_flags)

@@ -138,8 +138,8 @@ def sweep(
     task = define_task(
         reducer_of(design_options.resolve()), points_to_evaluate, measure, quick, real_pins, follow, solver
     )
-    resumed = has_study(Path(output_flags.out or OUT), SWEEP)
-    destination = claim_destination(output_flags, STEM, FILES, OUT, with_page=True, resumed=resumed)
+    is_resumed = has_study(Path(output_flags.out or OUT), SWEEP)
+    destination = claim_destination(output_flags, STEM, FILES, OUT, with_page=True, resumed=is_resumed)
     directory = destination.folder or Path(OUT)
     if output_flags.force:
         remove_study(directory, SWEEP)

@@ -69,10 +69,10 @@ def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -
     for index, rows in run_parts(parts, quick, workers):
         finished_parts.append((index, rows))
         finished_cost += parts[index].cost[not quick]
-        remaining = seconds_left(start_time, finished_cost / total_cost)
+        remaining_time = seconds_left(start_time, finished_cost / total_cost)
         note(
             f"{len(finished_parts)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
-            f"{remaining:.0f} s left"
+            f"{remaining_time:.0f} s left"
         )
     return sort_rows(finished_parts)
 

@@ -71,8 +71,8 @@ def _describe_error(error: CycloptsError) -> str:
             name for flag_argument in error.argument_collection for name in flag_argument.names if name.startswith("--")
         ]
         # without the dashes, which all of them share
-        nearest = get_close_matches(word.lstrip("-"), [name[2:] for name in flags], n=1)
-        return _unknown_option(word, [f"--{name}" for name in nearest])
+        similar_flags = get_close_matches(word.lstrip("-"), [name[2:] for name in flags], n=1)
+        return _unknown_option(word, [f"--{name}" for name in similar_flags])
     if isinstance(error, UnusedCliTokensError):
         return f"unexpected argument {(error.unused_tokens or [''])[0]!r}"
     if isinstance(error, ValidationError) and argument is not None:

@@ -80,15 +80,15 @@ def outcome_of(
     for trial in comparison.trials:
         warn(trial.name, tuple(dict.fromkeys(warning for start in trial.starts for warning in start.findings.warnings)))
     loaded_trials = comparison.at(comparison.loads[-1])
-    by_statics = catalogue_figures([trial.design for trial in loaded_trials])
+    static_quantities = catalogue_figures([trial.design for trial in loaded_trials])
     overload_warnings = overloads(trial.design for trial in loaded_trials)
-    statics = {name: values_json(quantities) for name, quantities in by_statics.items()}
+    statics = {name: values_json(quantities) for name, quantities in static_quantities.items()}
     return Outcome(
         title=f"compare: {' / '.join(comparison.designs)}",
         condition=f"runs under {load_words(comparison.loads[-1])}, {SOLVERS[comparison.solver]}",
-        headline=_headline(loaded_trials, by_statics),
-        headline_columns=(*by_statics, *ratio_columns(tuple(by_statics)), "unit"),
-        tables=[*comparison.tables, catalogue_table(by_statics)],
+        headline=_headline(loaded_trials, static_quantities),
+        headline_columns=(*static_quantities, *ratio_columns(tuple(static_quantities)), "unit"),
+        tables=[*comparison.tables, catalogue_table(static_quantities)],
         warnings=[f"{name}: {words}" for name, words in overload_warnings.items()],
         notes=[_differences(comparison), *verdicts.notes],
         summary=[
@@ -149,23 +149,23 @@ def capacity_of(case: Design) -> float:
 
 
 def _headline(
-    trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]
+    trials: "Sequence[Trial]", static_quantities: Mapping[str, Mapping[str, Quantity]]
 ) -> dict[str, tuple[str, ...]]:
     """Return the main quantities of statics and of the runs under one load, as rows of text by name.
 
     A row has the value of each design, the ratio of each further design to the first, and the unit. `trials` are the
-    runs of each design, `by_statics` are the static quantities by design and key.
+    runs of each design, `static_quantities` are the static quantities by design and key.
     """
     from cycloid_mj.comparison.table import HEADLINE as RUN_QUANTITIES
 
-    first_quantities = next(iter(by_statics.values()))
+    first_quantities = next(iter(static_quantities.values()))
     rows = [
         (
             first_quantities[key].name,
-            [figures[key].value for figures in by_statics.values()],
+            [figures[key].value for figures in static_quantities.values()],
             first_quantities[key].unit,
         )
-        for key in _available(HEADLINE[:6], by_statics)
+        for key in _available(HEADLINE[:6], static_quantities)
     ]
     for figure in RUN_QUANTITIES:
         start_statistics = [trial.over_starts(figure.read) for trial in trials]

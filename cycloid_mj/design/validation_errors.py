@@ -131,8 +131,8 @@ def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> st
     """
     value, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
-        similar = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []
-        suggestion = f'; did you mean "{similar[0]}"?' if similar else ""
+        similar_choices = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []
+        suggestion = f'; did you mean "{similar_choices[0]}"?' if similar_choices else ""
         return f"it must be {_either(choices)}{suggestion}"
     if details["type"] in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         # the bounds of the items of a list stand in the error alone

@@ -156,14 +156,14 @@ def _standardise_deviations(zones: Mapping[str, Zone], deviations: Mapping[str, 
     the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the indices of the
     samples to use.
     """
-    standardised = []
+    standardised_deviations = []
     for key, zone in zones.items():
         values = deviations[key][rows].reshape(rows.size, -1)
         if key.startswith(WAVE):  # the phase is uniform: cosine and sine have half of the mean square each
-            standardised.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.standard_deviation**2)))
+            standardised_deviations.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.standard_deviation**2)))
         else:
-            standardised.append((values - zone.middle) / (zone.standard_deviation or 1.0))
-    return standardised
+            standardised_deviations.append((values - zone.middle) / (zone.standard_deviation or 1.0))
+    return standardised_deviations
 
 
 def _estimator_terms(values: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:

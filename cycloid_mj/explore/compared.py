@@ -269,10 +269,10 @@ def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turn_count = TURNS if designs[0].load.torque else IDLE_TURNS
-    settling = max(settling_time(reducer_of(design)) for design in designs)
+    longest_settling = max(settling_time(reducer_of(design)) for design in designs)
     # one more sample, so that the last turn is complete
     steady_designs = [
-        reducer_of(design).steady(settling, turn_count, samples=1.0, drive={"ramp": design.drive.ramp}).design
+        reducer_of(design).steady(longest_settling, turn_count, samples=1.0, drive={"ramp": design.drive.ramp}).design
         for design in designs
     ]
     # a crank turn of RV reducers takes a different time at the same speed of the sun

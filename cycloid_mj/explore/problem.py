@@ -252,8 +252,8 @@ def _compute_violations(
     violations = {str(limit): excess for limit in task.limits if (excess := limit.excess(figures[limit.key])) > 0.0}
     if not task.allows(values):
         violations[RANGES] = 1.0
-    if missing := [objective.key for objective in task.objectives if not math.isfinite(figures[objective.key])]:
-        return figures, dict.fromkeys(missing, 1.0), NO_FIGURE, f"no value of {', '.join(missing)}"
+    if missing_keys := [objective.key for objective in task.objectives if not math.isfinite(figures[objective.key])]:
+        return figures, dict.fromkeys(missing_keys, 1.0), NO_FIGURE, f"no value of {', '.join(missing_keys)}"
     return figures, violations, LIMIT_VIOLATION, ""
 
 

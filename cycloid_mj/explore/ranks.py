@@ -64,9 +64,9 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
     number_columns = sweep.frame.numbers
     available_names = [name for name in sweep.quantities if name in number_columns]
     requested = tuple(name if name in available_names else _catalogue_key(name) for name in requested)
-    if unknown := [name for name in requested if name not in available_names]:
+    if unknown_names := [name for name in requested if name not in available_names]:
         raise UsageError(
-            f"--show {unknown[0]}: unknown quantity. Choose from "
+            f"--show {unknown_names[0]}: unknown quantity. Choose from "
             f"{', '.join(available_names) or 'none (the sweep has no numeric results)'}"
         )
     if requested:

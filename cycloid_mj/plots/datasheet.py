@@ -146,11 +146,11 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
 
     `figure` is the page. `bottom` is the vertical position of the row, as a fraction of the page height.
     """
-    by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
+    quantity_by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, tile_count = 0.012, len(KEYS)
     width = (LAYOUT.right - LAYOUT.left - (tile_count - 1) * gap) / tile_count
     for column, key in enumerate(KEYS):
-        x, quantity = LAYOUT.left + column * (width + gap), by_key[key]
+        x, quantity = LAYOUT.left + column * (width + gap), quantity_by_key[key]
         figure.add_artist(Rectangle((x, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
         figure.add_artist(Rectangle((x, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
         figure.text(x + 0.012, bottom + 0.023, quantity.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")

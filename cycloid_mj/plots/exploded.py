@@ -101,17 +101,17 @@ def exploded_groups(components: Sequence[PlacedPart]) -> tuple[tuple[PlacedPart,
     `components` are all parts. Families of parts that are not in `ALONG`, such as rollers, are left out. Equal parts
     are one group, but cams and spacers of several discs stand alone, because each spacer is between two cams.
     """
-    by_family: dict[str, list[PlacedPart]] = {}
+    parts_by_family: dict[str, list[PlacedPart]] = {}
     for component in components:
-        by_family.setdefault(names.family(component.part), []).append(component)
-    spacers = by_family.pop(names.SPACER, [])
+        parts_by_family.setdefault(names.family(component.part), []).append(component)
+    spacers = parts_by_family.pop(names.SPACER, [])
     groups: list[tuple[PlacedPart, ...]] = []
-    for family in (family for family in ALONG if family in by_family):
+    for family in (family for family in ALONG if family in parts_by_family):
         if family == names.CAM:
-            pairs = zip_longest(by_family[family], spacers)
+            pairs = zip_longest(parts_by_family[family], spacers)
             groups += [(part,) for pair in pairs for part in pair if part]
         else:
-            groups.append(tuple(by_family[family]))
+            groups.append(tuple(parts_by_family[family]))
     return tuple(groups)
 
 

@@ -89,7 +89,7 @@ def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
     """Draw the curves of a panel as lines, bars or markers according to `Curve.style`, with labels for the legend."""
     measured_curves = [curve for curve in curves if curve.style not in ("theory", "rings")]
     colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured_curves)}
-    by_name = {curve.name: colours[id(curve)] for curve in measured_curves}
+    colour_by_name = {curve.name: colours[id(curve)] for curve in measured_curves}
     bars = [curve for curve in measured_curves if curve.style == "bars"]
     points = [curve for curve in measured_curves if curve.style == "points"]
     for name in dict.fromkeys(curve.name for curve in curves if curve.of):
@@ -97,7 +97,7 @@ def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
     for curve in curves:
         if curve.style == "theory":
             reference_style: dict[str, Any] = (
-                {"color": by_name[curve.of], "alpha": 0.35} if curve.of else {"label": curve.name}
+                {"color": colour_by_name[curve.of], "alpha": 0.35} if curve.of else {"label": curve.name}
             )
             axes.plot(curve.x, curve.y, **{**THEORY, **reference_style})
         elif curve.style == "rings":

@@ -44,8 +44,8 @@ def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
         case: (wear_course.hours, wear_course.lost_motion / ARCMINUTE) for case, wear_course in result.courses.items()
     }
     if {"low", "high"} <= courses.keys():
-        hours, high = courses["high"]
-        axes.fill_between(hours, np.interp(hours, *courses["low"]), high, color=BLUE, alpha=0.12, linewidth=0.0)
+        hours, high_curve = courses["high"]
+        axes.fill_between(hours, np.interp(hours, *courses["low"]), high_curve, color=BLUE, alpha=0.12, linewidth=0.0)
     case_styles = {"low": ("5 %", GREY, 0.9), "typical": ("typical", BLUE, 1.4), "high": ("95 %", BLACK, 0.9)}
     for case, (label, colour, width) in case_styles.items():
         if case in courses:

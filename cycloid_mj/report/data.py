@@ -65,13 +65,13 @@ def curves(motion: Series) -> dict[str, Array]:
     `motion` are the time series of the run. Only charts that apply to the run have curves. Names are keys of `SIGNALS`;
     the closed form of a signal has the name of the signal with ``_theory`` appended.
     """
-    by_name = {}
+    curve_by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
         signal = SIGNALS[key]
-        by_name[key] = signal.simulated(motion)
+        curve_by_name[key] = signal.simulated(motion)
         if signal.theory:
-            by_name[_theory_key(key)] = signal.theory(motion)
-    return by_name
+            curve_by_name[_theory_key(key)] = signal.theory(motion)
+    return curve_by_name
 
 
 def _panel_json(key: str, height: float) -> dict[str, Any]:

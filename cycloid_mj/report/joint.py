@@ -192,9 +192,9 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
         if harmonic["load_nm"] == load
     ]
     min_amplitude = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated_harmonics), default=0.0)
-    by_order: dict[float, list[dict[str, Any]]] = {}
+    harmonics_by_order: dict[float, list[dict[str, Any]]] = {}
     for harmonic in rated_harmonics:
-        by_order.setdefault(harmonic["order"], []).append(harmonic)
+        harmonics_by_order.setdefault(harmonic["order"], []).append(harmonic)
     rows = [
         (
             f"{order:.5g}",
@@ -204,7 +204,7 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
                 for text in (f"{harmonic['value']:.4g}", f"{harmonic['numerical_error']:.1g}")
             ),
         )
-        for order, directions in by_order.items()
+        for order, directions in harmonics_by_order.items()
         if max(harmonic["value"] for harmonic in directions) >= min_amplitude
     ]
     header = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")

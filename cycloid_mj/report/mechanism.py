@@ -126,11 +126,11 @@ def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> di
         "outputDistance": encode_array(MILLIMETRES * gap_values.output_away),
         "force": {kind: encode_array(forces.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
-    if (ideal := ideal_forces(reducer, columns)) is not None:
+    if (ideal_force := ideal_forces(reducer, columns)) is not None:
         frames |= {
             "away": encode_array(MILLIMETRES * gap_values.away),
             "pinAngle": encode_array(np.mod(gap_values.pin_angle, 2 * np.pi)),
-            "ideal": encode_array(ideal),
+            "ideal": encode_array(ideal_force),
         }
     return frames
 

@@ -146,7 +146,7 @@ class CentralModel(FullModel):
             windup.compliance_by_spring(reducer)
             for windup in solve_windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)
         ]
-        means = {kind: float(np.mean([by_kind[kind] for by_kind in compliances])) for kind in compliances[0]}
+        means = {kind: float(np.mean([values[kind] for values in compliances])) for kind in compliances[0]}
         return means | {"twist": wind_up(reducer)}
 
     def time_constants(self) -> dict[str, float]:
@@ -231,13 +231,13 @@ class RvModel(FullModel):
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)
-        at_low_torque, at_high_torque = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
+        low_loads, high_loads = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
         tooth_stiffness, flank_stiffness = np.split(springs.stiffness, [springs.pins], axis=1)
         work = {
-            "mesh": (at_high_torque.pins - at_low_torque.pins) ** 2 / tooth_stiffness,
-            names.CRANK_BEARING: (at_high_torque.cranks - at_low_torque.cranks) ** 2 / springs.bearing_stiffness,
-            names.PLANET_MESH: (at_high_torque.flanks - at_low_torque.flanks) ** 2
-            / flank_stiffness.reshape(at_high_torque.flanks.shape),
+            "mesh": (high_loads.pins - low_loads.pins) ** 2 / tooth_stiffness,
+            names.CRANK_BEARING: (high_loads.cranks - low_loads.cranks) ** 2 / springs.bearing_stiffness,
+            names.PLANET_MESH: (high_loads.flanks - low_loads.flanks) ** 2
+            / flank_stiffness.reshape(high_loads.flanks.shape),
         }
         squared_torque_change = (torques[1] - torques[0]) ** 2 * len(springs.crank)
         return {kind: float(work_of_springs.sum()) / squared_torque_change for kind, work_of_springs in work.items()}

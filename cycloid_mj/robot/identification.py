@@ -96,7 +96,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_parts(reducer))
-    fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
+    fine_play, coarse_play = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counter.count_one()
     model = full_model(reducer)
     rotor, output = model.inertias()
@@ -107,10 +107,10 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         way=1 if reducer.design.ratio > 0 else -1,
         rated_torque=reducer.design.rated_torque,
         rated_speed=abs(reducer.design.drive.speed),
-        stops=fine.stops,
-        springs=fine.springs,
-        polynomial=tuple(fine.polynomial.tolist()),
-        polynomial_error=tuple(np.abs(fine.polynomial - coarse.polynomial).tolist()),
+        stops=fine_play.stops,
+        springs=fine_play.springs,
+        polynomial=tuple(fine_play.polynomial.tolist()),
+        polynomial_error=tuple(np.abs(fine_play.polynomial - coarse_play.polynomial).tolist()),
         damping=model.damping(),
         rotor_inertia=rotor,
         output_inertia=output,
@@ -119,7 +119,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         slips=tuple(Slip(*slip_values) for slip_values in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
     counter.count_one()
-    return replace(joint.at(level), quantities=by_key(_list_quantities(reducer, joint, fine, coarse)))
+    return replace(joint.at(level), quantities=by_key(_list_quantities(reducer, joint, fine_play, coarse_play)))
 
 
 @dataclass(frozen=True)
@@ -403,11 +403,11 @@ def _efficiency_error(reducer: Reducer, share: float) -> float:
     Their number is multiplied by `GRID.angles_factor`. `share` is the output torque relative to the nominal torque,
     negative if the output drives.
     """
-    coarse, fine = (
+    coarse_powers, fine_powers = (
         shaft_powers(reducer, share * reducer.design.rated_torque, poses)
         for poses in (POSES, GRID.angles_factor * POSES)
     )
-    return abs(coarse.efficiency - fine.efficiency)
+    return abs(coarse_powers.efficiency - fine_powers.efficiency)
 
 
 def _convert_with_error(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:

@@ -103,12 +103,12 @@ class Population(Tabular):
             f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
             for input_range in self.ranges
         )
-        excluded = self.requested - self.samples
-        drives = f"{excluded} of {self.requested} drives"
+        excluded_count = self.requested - self.samples
+        drives = f"{excluded_count} of {self.requested} drives"
         return (
             f"drawn with a log-uniform distribution: {ranges}",
             *([] if self.has_tolerances else ["the design states no tolerances, so its play does not vary"]),
-            *([f"{drives} are left out: they cannot be assembled (interference of parts)"] if excluded else []),
+            *([f"{drives} are left out: they cannot be assembled (interference of parts)"] if excluded_count else []),
         )
 
     def tables(self) -> tuple[Table, Table]:

@@ -343,8 +343,8 @@ class ReducedJoint(Presented):
                 f"no joint of the model has the reducer {self.name!r}: attach it first with attach_reducer"
             )
         for start, size in matching_tuples:
-            output, *remaining = model.tuple_objid[start : start + size].tolist()
-            crank, *tendons = remaining or [output]
+            output, *other_objects = model.tuple_objid[start : start + size].tolist()
+            crank, *tendons = other_objects or [output]
             output_addresses, crank_addresses = (
                 (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output, crank)
             )

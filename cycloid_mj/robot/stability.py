@@ -174,7 +174,7 @@ def choose_time_step(
     integrators
         Integrators to try at each time step, the preferred one first.
     """
-    candidates = (*(trial for trial in reversed(STUDY.steps) if trial <= STUDY.max_scene_step), *STUDY.finer_steps)
+    candidates = (*(step for step in reversed(STUDY.steps) if step <= STUDY.max_scene_step), *STUDY.finer_steps)
     trials = []
     for candidate in candidates if timestep is None else (timestep,):
         for integrator in integrators:
@@ -242,9 +242,9 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
     for level in LEVELS:
         for integrator in INTEGRATORS:
             longest_by_load = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
-            by_load = {load: trial.timestep if trial else 0.0 for load, trial in longest_by_load.items()}
+            step_by_load = {load: trial.timestep if trial else 0.0 for load, trial in longest_by_load.items()}
             errors = {load: trial.impact_error if trial else math.nan for load, trial in longest_by_load.items()}
-            steps = {"timestep_s": min(by_load.values()), "by_load": by_load, "impact_error": errors}
+            steps = {"timestep_s": min(step_by_load.values()), "by_load": step_by_load, "impact_error": errors}
             rows.append({"level": level, "integrator": integrator, **steps})
     return rows
 

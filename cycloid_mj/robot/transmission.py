@@ -124,8 +124,8 @@ def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
         amplitudes[0] = 0.0
         return amplitudes
 
-    fine, coarse = amplitudes(values), amplitudes(values[::2])
-    return fine[: coarse.size - 1], coarse[:-1]
+    fine_amplitudes, coarse_amplitudes = amplitudes(values), amplitudes(values[::2])
+    return fine_amplitudes[: coarse_amplitudes.size - 1], coarse_amplitudes[:-1]
 
 
 def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
@@ -139,16 +139,16 @@ def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
         np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra
     ]
     shares: Array = np.stack(relative_amplitudes).max(axis=0)
-    by_strength = np.argsort(-shares, kind="stable")
+    strongest_first = np.argsort(-shares, kind="stable")
     for count in range(1, RIPPLE.max_harmonics):
-        strongest = by_strength[:count]
+        strongest = strongest_first[:count]
         is_accurate = [
             np.linalg.norm(np.delete(spectrum, strongest)) <= RIPPLE.max_remainder * np.linalg.norm(spectrum)
             for spectrum in spectra
         ]
         if all(is_accurate):
             return np.sort(strongest)
-    return np.sort(by_strength[: RIPPLE.max_harmonics])
+    return np.sort(strongest_first[: RIPPLE.max_harmonics])
 
 
 def _rows(arrays: list[Array]) -> tuple[tuple[float, ...], ...]:

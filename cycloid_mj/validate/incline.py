@@ -71,22 +71,22 @@ def rows(quick: bool) -> list[ValidationRow]:
         math.atan(0.5 * contact_parameters.friction),
         math.atan(3.0 * contact_parameters.friction),
     )
-    sticking, sliding = (
+    creeping_block, sliding_block = (
         simulate_descent(contact_parameters, small_angle, False),
         simulate_descent(contact_parameters, large_angle, False),
     )
-    cylinder = simulate_descent(contact_parameters, math.atan(2.0 * contact_parameters.friction), True)
+    rolling_cylinder = simulate_descent(contact_parameters, math.atan(2.0 * contact_parameters.friction), True)
     gravity_along = INCLINE.gravity * math.sin(math.atan(2.0 * contact_parameters.friction))
     creep_pair = (
-        1e6 * sticking.speed,
+        1e6 * creeping_block.speed,
         1e6 * INCLINE.mass * INCLINE.gravity * math.sin(small_angle) / contact_parameters.creep,
     )
     acceleration_pair = (
-        sliding.acceleration,
+        sliding_block.acceleration,
         INCLINE.gravity * (math.sin(large_angle) - contact_parameters.friction * math.cos(large_angle)),
     )
     slip_pair, rolling_acceleration = (
-        (1e6 * cylinder.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / contact_parameters.creep),
+        (1e6 * rolling_cylinder.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / contact_parameters.creep),
         2.0 * gravity_along / 3.0,
     )
     return [
@@ -94,7 +94,7 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative("acceleration of a block above it", *acceleration_pair, "m/s2", "g (sin - mu cos)", 1e-6),
         relative(
             "acceleration of a rolling cylinder",
-            cylinder.acceleration,
+            rolling_cylinder.acceleration,
             rolling_acceleration,
             "m/s2",
             "2/3 g sin",

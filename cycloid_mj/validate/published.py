@@ -270,10 +270,10 @@ def mesh_efficiency(case: Wang) -> float:
     Symbols: z lobes, friction coefficient mu, diameters Dp of the pin circle and d of a pin, trochoid ratio K1.
     """
     lobes = case.pins - 1
-    meshing = 1.0 - 4.0 * case.mesh_friction * (case.pin_circle - case.pin) / (
+    eta_nx = 1.0 - 4.0 * case.mesh_friction * (case.pin_circle - case.pin) / (
         case.shortening * lobes * case.pin_circle * math.pi
     )
-    return meshing / (1.0 + lobes * (1.0 - meshing))
+    return eta_nx / (1.0 + lobes * (1.0 - eta_nx))
 
 
 def output_efficiency(case: Wang) -> float:

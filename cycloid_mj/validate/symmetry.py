@@ -81,7 +81,8 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare runs of one crank turn with gravity off, downward, and sideways (rotated by a right angle).
 
     Except for the positions of the output pins, the mechanism under sideways gravity behaves as that under downward
-    gravity a quarter of a crank turn earlier. `kind` is the kind of ring; `quick` is ignored.
+    gravity a quarter of a crank turn earlier. The rows are forces on the disc, ripple, mean rotation of the disc and
+    efficiency. `kind` is the kind of ring; `quick` is ignored.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
