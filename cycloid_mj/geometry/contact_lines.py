@@ -50,8 +50,8 @@ def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike
         The gear is undercut.
     """
     profile.require_no_undercut(gear)
-    pieces = [piece for angle in np.ravel(crank_angles) for piece in _contact_lines_at(gear, kind, float(angle))]
-    columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}
+    groups = [group for angle in np.ravel(crank_angles) for group in _contact_lines_at(gear, kind, float(angle))]
+    columns = {field.name: [getattr(group, field.name) for group in groups] for field in fields(ContactLines)}
     return ContactLines(**{name: np.concatenate(arrays) for name, arrays in columns.items()})
 
 

@@ -208,7 +208,7 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
             changes.setdefault(table, {})[key] = PRESS.no_clearance
     if "output" in reducer.clearance_keys:
         changes["output"] = {"hole_radius": design.output.pin_radius + design.gear.eccentricity}
-    replacements |= {table: getattr(design, table).model_copy(update=values) for table, values in changes.items()}
+    replacements |= {table: getattr(design, table).model_copy(update=lengths) for table, lengths in changes.items()}
     return bench.without_friction(type(reducer)(design.model_copy(update=replacements)))
 
 

@@ -214,7 +214,9 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     if coasting is not None:
         moving_torque, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contact_note
     static_names = "back_driving_torque_static", f"back-driving torque from rest, {driven_shaft} free"
-    static = (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
+    static_torque = (
+        (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
+    )
     moving_names = "back_driving_torque_moving", f"back-driving torque at speed, {driven_shaft} free"
     return [
         Quantity(
@@ -226,7 +228,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             note=contact_note,
         ),
         Quantity(*moving_names, moving_torque, "N m", moving_error, note=moving_note),
-        Quantity(*static_names, static[0], "N m", static[1], note=start_from_rest.note),
+        Quantity(*static_names, static_torque[0], "N m", static_torque[1], note=start_from_rest.note),
         Quantity(
             "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the {driven_shaft}",

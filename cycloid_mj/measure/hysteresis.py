@@ -157,11 +157,12 @@ class HysteresisLoop:
         It is the slope of the mean of the loading and the unloading branch, between the two shares of the nominal
         torque in `STRAIGHT` (1 and 0.5). The result is the mean over both signs of the torque.
         """
-        low, high = STRAIGHT
+        low_share, high_share = STRAIGHT
         rotations = [
-            sign * (self.read_middle(high, sign, values) - self.read_middle(low, sign, values)) for sign in (-1, 1)
+            sign * (self.read_middle(high_share, sign, values) - self.read_middle(low_share, sign, values))
+            for sign in (-1, 1)
         ]
-        return float(np.mean(rotations)) / ((high - low) * self.rated)
+        return float(np.mean(rotations)) / ((high_share - low_share) * self.rated)
 
     def _fit_branch(
         self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None

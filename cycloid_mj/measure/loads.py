@@ -349,10 +349,10 @@ def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator
     Errors are the differences from `half_step_run`, which has half the time step.
     """
     first_periods = run.select(slice(0, len(half_step_run)))
-    all_samples, coarse, fine = (
+    all_samples, coarse_step, fine_step = (
         [*_disc_and_bearing_quantities(quantity, reducer)] for quantity in (run, first_periods, half_step_run)
     )
-    for quantity, coarse_quantity, fine_quantity in zip(all_samples, coarse, fine, strict=True):
+    for quantity, coarse_quantity, fine_quantity in zip(all_samples, coarse_step, fine_step, strict=True):
         yield replace(quantity, error=abs(coarse_quantity.value - fine_quantity.value))
 
 

@@ -299,29 +299,31 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
     The loop is drawn as a whole, and its part near zero torque once more. Curves of statics and of the backlash of
     rigid parts are omitted if `data` lacks them.
     """
-    service, ideal = data.service[0], data.ideal[0]
+    service_loop, ideal_loop = data.service[0], data.ideal[0]
     x_label, y_label = "torque [N m]", "turn [arcmin]"
-    is_near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
-    title = f"hysteresis, crank at {np.degrees(service.crank):.1f}°"
-    result = [
-        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, x_label, y_label, "theory"),
-        Curve(title, "as designed", service.torque, service.turn / ARCMINUTE, x_label, y_label),
+    is_near_zero = np.abs(service_loop.torque) <= 3.0 * LOST_MOTION_SHARE * service_loop.rated
+    title = f"hysteresis, crank at {np.degrees(service_loop.crank):.1f}°"
+    curve_list = [
+        Curve(title, "no friction", ideal_loop.torque, ideal_loop.turn / ARCMINUTE, x_label, y_label, "theory"),
+        Curve(title, "as designed", service_loop.torque, service_loop.turn / ARCMINUTE, x_label, y_label),
         Curve(
             "near zero torque",
             "as designed",
-            service.torque[is_near_zero],
-            service.turn[is_near_zero] / ARCMINUTE,
+            service_loop.torque[is_near_zero],
+            service_loop.turn[is_near_zero] / ARCMINUTE,
             x_label,
             y_label,
         ),
     ]
-    mark_torques = LOST_MOTION_SHARE * service.rated * np.array([-1.0, 1.0])
-    mark_turns = np.array([service.read_middle(LOST_MOTION_SHARE, sign) for sign in (-1, 1)]) / ARCMINUTE
-    result.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, x_label, y_label, "points"))
+    mark_torques = LOST_MOTION_SHARE * service_loop.rated * np.array([-1.0, 1.0])
+    mark_turns = np.array([service_loop.read_middle(LOST_MOTION_SHARE, sign) for sign in (-1, 1)]) / ARCMINUTE
+    curve_list.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, x_label, y_label, "points"))
     if data.statics:
         shares = sorted(data.statics[0].turn)
         turns = np.array([data.statics[0].turn[share] for share in shares]) / ARCMINUTE
-        result.append(Curve(title, "statics", np.array(shares) * service.rated, turns, x_label, y_label, "points"))
+        curve_list.append(
+            Curve(title, "statics", np.array(shares) * service_loop.rated, turns, x_label, y_label, "points")
+        )
     crank_deg = np.degrees([loop.crank for loop in data.service])
     panels = {
         ("lost motion at ±3 %", "arcmin"): (lost_motion, [windup.lost_motion / ARCMINUTE for windup in data.statics]),
@@ -335,16 +337,16 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
         labels = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read_value is lost_motion and rigid_form is not None:
             turn_angles = np.degrees(rigid_backlash.full_turn_angles(data.reducer))
-            result.append(
+            curve_list.append(
                 Curve(panel, BACKLASH_NAMES[data.reducer.LAYOUT], turn_angles, rigid_form.turn, *labels, "theory")
             )
         if static_values:
-            result.append(Curve(panel, "statics", crank_deg, np.array(static_values), *labels, "rings"))
+            curve_list.append(Curve(panel, "statics", crank_deg, np.array(static_values), *labels, "rings"))
         for name, loops in (("as designed", data.service), ("no friction", data.ideal)):
-            result.append(
+            curve_list.append(
                 Curve(panel, name, crank_deg, np.array([read_value(loop) for loop in loops]), *labels, "points")
             )
-    return tuple(result)
+    return tuple(curve_list)
 
 
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
@@ -355,9 +357,9 @@ def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
     simulated torque loops.
     """
     rows: list[dict[str, Any]] = []
-    for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):
-        row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}
-        for name, loop in (("service", service), ("ideal", ideal)):
+    for index, (service_loop, ideal_loop) in enumerate(zip(data.service, data.ideal, strict=True)):
+        row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service_loop.crank))}
+        for name, loop in (("service", service_loop), ("ideal", ideal_loop)):
             row[name] = {
                 "lost_motion_arcmin": lost_motion(loop),
                 "stiffness_nm_per_arcmin": stiffness(loop),

@@ -162,16 +162,18 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
     Published rates outside of the range that was run are omitted.
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
-    result = []
+    curve_list = []
     for pins in dict.fromkeys(run.pins for run in rate_by_variant):
         rates = common_rates(rate_by_variant, pins)
         coefficients = np.array(sorted(rates))
         name = "internal gear" if pins == NO_PINS else f"{pins} pins"
-        result.append(Curve(panel, name, coefficients, 1e2 * np.array([rates[value] for value in coefficients]), x, y))
+        curve_list.append(
+            Curve(panel, name, coefficients, 1e2 * np.array([rates[coefficient] for coefficient in coefficients]), x, y)
+        )
     for paper in (paper for paper in published if math.isfinite(paper.friction)):
         position = (np.array([paper.friction]), np.array([1e2 * paper.rate]))
-        result.append(Curve(panel, f"the paper, {paper.method}", *position, x, y, "points"))
-    return result
+        curve_list.append(Curve(panel, f"the paper, {paper.method}", *position, x, y, "points"))
+    return curve_list
 
 
 def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:

@@ -78,21 +78,23 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
     panel of its own, because the unloaded error is larger.
     """
     paces = dict.fromkeys(condition.pace for condition in traces)
-    result = [
+    curve_list = [
         curve
         for pace in paces
         for shaft in ("output", "gear")
         for load in ("loaded", "unloaded")
         for curve in _panel_curves(traces, statics, pace, shaft, load)
     ]
-    result += _panel_curves(traces, statics, next(iter(paces)), "output")
+    curve_list += _panel_curves(traces, statics, next(iter(paces)), "output")
     for signal, cycles_per_turn in _bases(reducer):
         for condition in evaluated_conditions(traces):
             spectrum = _spectrum(reducer, traces[condition], signal, cycles_per_turn)
             panel = f"orders of the {_signal_name(reducer, signal, cycles_per_turn)}, {condition.direction}, "
             panel += _PACES[condition.pace]
-            result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
-    return tuple(result)
+            curve_list.append(
+                Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars")
+            )
+    return tuple(curve_list)
 
 
 def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
@@ -312,9 +314,11 @@ def _step_error(
     if not finer_traces:
         return None
     statistic, error = _LEVELS[level][1], getattr(traces[condition], shaft)
-    coarse, fine = (statistic(error_part) for error_part in _overlapping_errors(traces, finer_traces, condition, shaft))
+    coarse_value, fine_value = (
+        statistic(error_part) for error_part in _overlapping_errors(traces, finer_traces, condition, shaft)
+    )
     first_half_value, second_half_value = (statistic(half_error) for half_error in np.array_split(error, 2))
-    return abs(coarse - fine) + 0.5 * abs(first_half_value - second_half_value)
+    return abs(coarse_value - fine_value) + 0.5 * abs(first_half_value - second_half_value)
 
 
 def _mean_change(traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str) -> float:
@@ -336,16 +340,16 @@ def _overlapping_errors(
     tuple of Array
         Errors with the full and with half the time step [arcsec], shape (n,) each.
     """
-    fine = finer_traces[condition.load, condition.pace]
-    coarse = traces[
+    fine_trace = finer_traces[condition.load, condition.pace]
+    coarse_trace = traces[
         next(
             trace
             for trace in traces
             if (trace.load, trace.pace, trace.direction) == (condition.load, condition.pace, "forward")
         )
     ]
-    is_common = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
-    return getattr(coarse, signal)[is_common], getattr(fine, signal)
+    is_common = (coarse_trace.crank >= fine_trace.crank[0] - 1e-9) & (coarse_trace.crank <= fine_trace.crank[-1] + 1e-9)
+    return getattr(coarse_trace, signal)[is_common], getattr(fine_trace, signal)
 
 
 _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {

@@ -92,8 +92,8 @@ def vibration(
         reducer = reducer.but(settings={"timestep": acceleration_timestep(reducer)})
     other_speeds = [] if quick else list(speeds) or [share * speed for share in SPEED_FRACTIONS]
     all_runs = _run_sweep(reducer, torques, sorted({speed, *other_speeds}, key=abs), turns, not quick, solver, progress)
-    finer = {} if quick else {run.load: run for run in all_runs[-len(torques) :]}
-    full_runs = all_runs[: len(all_runs) - len(finer)]
+    finer_runs = {} if quick else {run.load: run for run in all_runs[-len(torques) :]}
+    full_runs = all_runs[: len(all_runs) - len(finer_runs)]
     runs_at_speed = [run for run in full_runs if run.speed == speed]
     return Measurement(
         measure="vibration",
@@ -103,7 +103,8 @@ def vibration(
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(
-            _level_quantities(reducer, runs_at_speed, finer), _unbalance_quantities(reducer, runs_at_speed, finer)
+            _level_quantities(reducer, runs_at_speed, finer_runs),
+            _unbalance_quantities(reducer, runs_at_speed, finer_runs),
         ),
         curves=(*_sweep_curves(reducer, full_runs), *_spectrum_curves(reducer, runs_at_speed)),
         assumptions=_assumptions(reducer, runs_at_speed[0]),
@@ -275,8 +276,8 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
             spectra = [orders for axis in run.signals[key].T if (orders := tapered_orders(run.crank, axis)) is not None]
             if spectra:
                 amplitude = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in spectra], axis=0))
-                low, high = (order * turns_per_second for order in spectra[0].band)
-                axis_label = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
+                min_frequency, max_frequency = (order * turns_per_second for order in spectra[0].band)
+                axis_label = f"{_HZ}, accurate to 1 % from {min_frequency:.0f} to {max_frequency:.0f} Hz"
                 frequency, panel = spectra[0].order * turns_per_second, f"spectrum of the {name}"
                 yield Curve(panel, run.load, frequency, amplitude, axis_label, f"amplitude [{unit}]")
 

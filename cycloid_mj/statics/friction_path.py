@@ -167,10 +167,10 @@ def _solve_path(
     max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
     displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():
-        residual, rows = follow_path(
+        residual, row_count = follow_path(
             springs.contacts, friction_elements, path, max_rotation * radius, positions, displacements
         )
-    return residual.force, positions[:rows], displacements[:rows, -1] / radius
+    return residual.force, positions[:row_count], displacements[:row_count, -1] / radius
 
 
 def _equilibrium_error(torque: float, locked_shaft: Held, step_text: str, residual: float) -> RunError:

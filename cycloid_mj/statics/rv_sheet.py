@@ -239,10 +239,12 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("backlash_min", float(backlash.min()))
     yield sheet_quantity("backlash_max", float(backlash.max()))
     yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
-    low, high = STRAIGHT
-    forward, backward = (np.abs(rotation(sign * high * load) - rotation(sign * low * load)) for sign in (1, -1))
-    total_rotation = forward + backward
-    stiffness = 2.0 * (high - low) * load / total_rotation * ARCMINUTE
+    low_share, high_share = STRAIGHT
+    forward_turn, backward_turn = (
+        np.abs(rotation(sign * high_share * load) - rotation(sign * low_share * load)) for sign in (1, -1)
+    )
+    total_rotation = forward_turn + backward_turn
+    stiffness = 2.0 * (high_share - low_share) * load / total_rotation * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 
 

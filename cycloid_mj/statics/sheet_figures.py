@@ -115,9 +115,9 @@ def _motion_rows() -> Iterator[SheetFigure]:
         "backlash", "arcmin", "backlash of the output, mean",
         "Rotation of the output from stop to stop at a locked crank, as the limit for a torque of zero: mean over a "
         "turn, without friction and weight.", layouts=BOTH)
-    for end, extreme in (("min", "smallest"), ("max", "largest")):
+    for suffix, extreme in (("min", "smallest"), ("max", "largest")):
         yield SheetFigure(
-            f"backlash_{end}", "arcmin", f"backlash, {extreme} over the crank angle",
+            f"backlash_{suffix}", "arcmin", f"backlash, {extreme} over the crank angle",
             f"{extreme.capitalize()} rotation of the output from stop to stop at any crank angle, otherwise as "
             "`backlash_arcmin`.",
             layouts=BOTH)
@@ -177,20 +177,20 @@ def _load_rows() -> Iterator[SheetFigure]:
         yield SheetFigure(
             f"disc_{number}_share", "1", name, f"Mean {name} on the output {_LOADED}.", exists=_has_disc(number))
     for kind, pair in CONTACTS.items():
-        for end, unit, name, definition in (
+        for suffix, unit, name, definition in (
             ("peak_force", "N", "largest force", f"Largest normal force, {pair}, {_LOADED}."),
             ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {pair}, {_LOADED}."),
             ("carrying", "1", "loaded contacts, mean number", f"Number of loaded contacts, {pair}, {_LOADED}: mean."),
             ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {pair}, {_LOADED}."),
             ("margin", "1", "margin against first yield", f"Pressure of first yield / largest pressure, {pair}."),
         ):
-            yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
+            yield SheetFigure(f"{kind}_{suffix}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
                               layouts=BOTH if kind in ("pin_gear", "tooth") else CENTRAL)
     yield from _rv_load_rows()
-    for member, (end, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
-        name = end.replace("_", " ")
+    for member, (suffix, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
+        name = suffix.replace("_", " ")
         yield SheetFigure(
-            f"{member}_{end}", unit, f"{name} of the discs on the {member}, largest",
+            f"{member}_{suffix}", unit, f"{name} of the discs on the {member}, largest",
             f"Largest {name} of all discs together on the {member} {_LOADED}.", exists=_has_several_discs)
     for key, pair in BEARINGS.items():
         yield SheetFigure(

@@ -12,5 +12,5 @@ def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
     from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice this torque, and in the
     opposite direction; the line through both rotations is extrapolated to no torque.
     """
-    negative_stop, positive_stop = (2.0 * rotation(side * torque) - rotation(2.0 * side * torque) for side in (-1, 1))
+    negative_stop, positive_stop = (2.0 * rotation(sign * torque) - rotation(2.0 * sign * torque) for sign in (-1, 1))
     return positive_stop - negative_stop

@@ -70,9 +70,9 @@ class Windup:
         `values` are rotations [rad] or displacements [m], such as `turn`; their keys are torques relative to `rated`.
         The result is in [rad/(N m)] or [m/(N m)], the mean of both directions.
         """
-        low, high = STRAIGHT
-        differences = (values[high] - values[low], values[-low] - values[-high])
-        return 0.5 * sum(differences) / ((high - low) * self.rated)
+        low_share, high_share = STRAIGHT
+        differences = (values[high_share] - values[low_share], values[-low_share] - values[-high_share])
+        return 0.5 * sum(differences) / ((high_share - low_share) * self.rated)
 
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliances in series of output pins, cam and mesh [rad/(N m)], keyed by `SERIES`."""
@@ -140,8 +140,10 @@ def solve_windups(
         poses = departures[:, :-1].reshape(*crank_angles.shape, 3)
         return np.asarray((poses[..., :2] * tangents).sum(axis=-1).mean(axis=-1))
 
-    low, high = STRAIGHT
-    work_by_sign = [_spring_work(reducer, springs, solutions[sign * low], solutions[sign * high]) for sign in (-1, 1)]
+    low_share, high_share = STRAIGHT
+    work_by_sign = [
+        _spring_work(reducer, springs, solutions[sign * low_share], solutions[sign * high_share]) for sign in (-1, 1)
+    ]
     work = {spring: (work_by_sign[0][spring] + work_by_sign[1][spring]).tolist() for spring in SPRINGS}
     turns = {share: contact_loads.output_turn.tolist() for share, contact_loads in solutions.items()}
     gear_turns = {share: contact_loads.gear_turn.tolist() for share, contact_loads in solutions.items()}

@@ -259,12 +259,12 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
     start_time = time.perf_counter()
     loads = loads_in_turn(turn, part)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
-    (stress, stress_map, stress_range, corner_stresses), lines = (
+    (stress, stress_map, stress_range, corner_stresses), contact_lines = (
         _solve_part(reducer, grid, loads, settings.map_angle),
         line_stress(loads, reducer),
     )
     material = material_of(reducer, part)
-    pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
+    pressure = float(_largest(contact_lines.peak_pressure.reshape(1, -1))[0])
     bulk_index = int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
     plateau_drop = relative_drop(stress.stress_by_distance.max(axis=1), bulk_index)
     findings = PartFindings(
@@ -279,8 +279,8 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         sensitivity=_sensitivity(stress, grid),
         choice=max(plateau_drop, corner_distance_change(corner_stresses)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
-        contact=_largest(lines.von_mises),
-        contact_peak=_contact_peak(loads, lines, reducer),
+        contact=_largest(contact_lines.von_mises),
+        contact_peak=_contact_peak(loads, contact_lines, reducer),
         largest_pressure=pressure,
         shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, material.surface_strength),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
@@ -326,11 +326,11 @@ def _solve_part(
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
     """Return the loads of a part at only the crank angles with the `indices`, in their order."""
     index_array = np.asarray(indices)
-    count = len(loads.angle)
+    angle_count = len(loads.angle)
     selected_fields: dict[str, Any] = {
         field.name: getattr(loads, field.name)[index_array]
         for field in fields(loads)
-        if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
+        if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == angle_count
     }
     return replace(loads, **selected_fields)
 

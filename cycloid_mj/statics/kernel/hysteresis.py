@@ -345,9 +345,9 @@ def _update_slip(springs: KernelSprings, friction_elements: FrictionElements, st
     for i in range(len(state.slip)):
         copy(friction_elements.slip[i], state.slip[i])
     for disc in range(springs.cam_position.shape[1]):
-        cam, row = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
-        state.slip[row, 3 * disc] -= cam.v
-        state.slip[row, 3 * disc + 1] += cam.u
+        cam, element = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
+        state.slip[element, 3 * disc] -= cam.v
+        state.slip[element, 3 * disc + 1] += cam.u
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
