@@ -296,8 +296,8 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
 def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
     """Return curves of the torque loop at the first crank angle, and of lost motion and stiffness over the angle.
 
-    The loop is drawn as a whole, and its part near zero torque once more. Curves of statics and of the backlash of
-    rigid parts are omitted if `data` lacks them.
+    The loop is drawn as a whole, and its part near zero torque once more. `data` are the simulated torque loops; curves
+    of statics and of the backlash of rigid parts are omitted if `data` lacks them.
     """
     service_loop, ideal_loop = data.service[0], data.ideal[0]
     x_label, y_label = "torque [N m]", "turn [arcmin]"
@@ -352,9 +352,9 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
     """Return a JSON object for each crank angle, with the values that are read from its torque loops.
 
-    Its keys are ``service`` (loop of the drive as designed) and ``ideal`` (loop without friction and weight), each with
-    lost motion, stiffness, backlash and hysteresis, and ``statics``, with lost motion and stiffness. `data` are the
-    simulated torque loops.
+    Its keys are ``crank_angle_deg``, ``service`` (loop of the drive as designed) and ``ideal`` (loop without friction
+    and weight), each with lost motion, stiffness, backlash and hysteresis by keys that end in the unit, and
+    ``statics``, with lost motion and stiffness. `data` are the simulated torque loops.
     """
     rows: list[dict[str, Any]] = []
     for index, (service_loop, ideal_loop) in enumerate(zip(data.service, data.ideal, strict=True)):

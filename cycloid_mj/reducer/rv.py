@@ -308,7 +308,7 @@ class RvReducer(Reducer):
 
     @property
     def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
-        """Return table and key in the design file of the clearances of each kind of mating pair, from ring to sun.
+        """Return, by kind of mating pair, table and key in the design file of its clearances, from ring to sun.
 
         Crank bearings have two clearances, those of the needle and of the tapered bearing; others have one.
         """

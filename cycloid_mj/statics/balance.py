@@ -80,7 +80,7 @@ class Loads:
     share
         Share of each disc in the output torque, shape (m, D) [1].
     work
-        Mean number of assemblies per crank angle: about 50; hundreds if parts snap across their clearances.
+        How often the equations were assembled per crank angle, on average: about 50, hundreds if parts snap.
     friction
         Friction of the contacts with the law ``film``; None with the law ``coulomb`` or without friction.
     """
@@ -279,7 +279,7 @@ def _solve_contacts(
     There are u unknown displacements at each of m crank angles, n contacts and D discs. `springs` are the contact
     springs, `load` (m, u) [N] the generalised forces. `z` (m, u) [m] are start values of the displacements, which are
     overwritten by the solution. `warm_start` starts each crank angle from the previous solution. Returns the forces of
-    contacts (m, n) and cams (m, D, 2) [N] and the number of assemblies, as `_solve_with_cams`.
+    contacts (m, n) and cams (m, D, 2) [N] and the number of assemblies of the equations, as `_solve_with_cams`.
 
     Raises
     ------

@@ -326,8 +326,9 @@ def _motion_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin], stiffness [N m/arcmin] and compliances [arcmin/(N m)].
 
     They are means over angles of a locked crank, without friction and weight. The backlash is extrapolated to zero
-    torque from two small torques in each direction. Lost motion and stiffness refer to shares of the `load` on the
-    output [N m]. If ``structure`` is "springs", the parts in torsion have compliances of their own.
+    torque from two small torques in each direction. `load` is the torque on the output [N m]: lost motion is taken
+    between +3 % and -3 % of it, stiffness from 50 to 100 % of it. If ``structure`` is "springs", the parts in
+    torsion have compliances of their own.
     """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)

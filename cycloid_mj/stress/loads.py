@@ -107,7 +107,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
 def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
     """Compute contact forces, weight and inertia of a part in its own frame at each angle of a turn.
 
-    `sampled` is a turn of a run or of a static equilibrium.
+    `sampled` is a turn of a run or of a static equilibrium, `part` the name of the part.
     """
     contacts = list_contacts(sampled, part)
     return PartLoads(

@@ -57,7 +57,7 @@ class Residual(NamedTuple):
     """Result of a solution at one or more crank angles.
 
     `force` is the residual force over the largest load [1], `angle` the index of the crank angle that failed, or of the
-    last angle, and `work` the number of assemblies.
+    last angle, and `work` the number of assemblies of the equations.
     """
 
     force: float

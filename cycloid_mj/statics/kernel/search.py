@@ -102,8 +102,8 @@ def solve_equilibria(springs: KernelSprings, load: Array, z: Array, force: Array
     Returns
     -------
     Residual
-        Largest relative residual, at most ``RESIDUAL_RTOL``, and the number of assemblies at all angles. If an angle
-        has no equilibrium, its index and its residual; later angles are then not solved.
+        Largest relative residual, at most ``RESIDUAL_RTOL``, and how many times the equations were assembled. If an
+        angle has no equilibrium, its index and its residual; later angles are then not solved.
     """
     return solve_equilibria_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
 
@@ -116,8 +116,8 @@ def solve_equilibria_with_paths(
     `springs` are the contact springs at k crank angles. `load` (k, u) [N] are the loads on the u unknown displacements.
     `z` (k, u) [m] are start values of the displacements, which are replaced by the solutions. `force` (k, n) [N] is the
     output array for the forces of the n contacts. With `extrapolate`, only the first row of z is a start value.
-    `system` is the workspace. Returned are the largest relative residual and the number of assemblies. If an angle has
-    no equilibrium, its index and residual are returned, and later angles are not solved.
+    `system` is the workspace. Returned are the largest relative residual and how many times the equations were
+    assembled. If an angle has no equilibrium, its index and residual are returned, and later angles are not solved.
     """
     residual = solve_equilibria_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
