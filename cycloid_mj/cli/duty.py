@@ -34,7 +34,7 @@ def duty_cycle(
     Parameters
     ----------
     load_nm, speed_rpm
-        Torque on the output [N m] and speed of the crank [rpm], not 0; None for the nominal values.
+        Torque on the output [N m] and speed of the crank [rpm], not 0; None for the nominal values of the design.
     duty
         CSV file of the duty cycle; `load_nm` and `speed_rpm` must then be None.
     peak_nm

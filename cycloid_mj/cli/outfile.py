@@ -34,7 +34,7 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     """Check before the work that a CSV file may be written.
 
-    `file` is the value of `flag`; stdout and devices are always accepted.
+    `file` is the value of `flag`; stdout and devices are always accepted, an existing file with `force` only.
 
     Raises
     ------

@@ -285,7 +285,7 @@ class LoggedRun:
 
 
 def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
-    """Raise an error if a design cannot be simulated.
+    """Raise an error if a design cannot be simulated by a solver.
 
     Raises
     ------

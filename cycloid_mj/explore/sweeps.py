@@ -225,8 +225,9 @@ def define_task(
 def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, progress: Progress) -> Sweep:
     """Evaluate the points of a sweep that have no result in a folder yet; write results and tables; return it.
 
-    `task` has the design, the keys and the measures; `engine` runs the computations in parallel. Each result is written
-    at once. The tables are written at intervals and at the end, even if the sweep fails or is interrupted.
+    `task` has the design, the keys and the measures; `engine` runs the computations in parallel. `progress` is called
+    with the numbers of finished and of all points. Each result is written at once. The tables are written at intervals
+    and at the end, even if the sweep fails or is interrupted.
 
     Raises
     ------

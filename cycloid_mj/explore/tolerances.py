@@ -384,7 +384,7 @@ def tolerance(
 def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerances:
     """Solve for static equilibrium of all samples of a study; return the distributions, yield and error budget.
 
-    `engine` runs the computations in parallel.
+    `engine` runs the computations in parallel; `progress` is called with the numbers of solved and of all samples.
 
     Raises
     ------
@@ -467,9 +467,9 @@ def _solve_batches(
 ) -> bool:
     """Solve for static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    `engine` runs the computations in parallel. The quantities of each batch are added to `figures_by_batch`: by the
-    index of the batch, then by key, shape (samples,) each. Return False if the study stops because too many samples of
-    the first batch jam, otherwise True.
+    `engine` runs the computations in parallel; `progress` is called with the numbers of solved and of all samples. The
+    quantities of each batch are added to `figures_by_batch`: by the index of the batch, then by key, shape (samples,)
+    each. Return False if the study stops because too many samples of the first batch jam, otherwise True.
     """
     sample_count, solved_samples = sum(batch.count for batch, _ in study.work), 0
     solve_batch = partial(solve_sample_batch, study.reducer, study.zones, study.seed, ANGLES)

@@ -144,8 +144,9 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
     """Compare the statics of the preset ``twodisc`` with its published calculation, which assumes ideal load sharing.
 
     The contacts here are equally stiff, without clearance and friction, on rigid cams. The load is a hundredth of the
-    published load, so that the contact points stay those of the ideal parts; forces are multiplied by 100. With `quick`
-    there are fewer crank angles.
+    published load, so that the contact points stay those of the ideal parts; forces are multiplied by 100. The rows are
+    the largest forces on ring pins, output pins and cams, and the smallest on a cam. With `quick` there are fewer crank
+    angles.
     """
     no_gravity = {"gravity_x": 0.0, "gravity_y": 0.0}
     pairs = ("pin_gear", "cam", "output")

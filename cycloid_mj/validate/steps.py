@@ -99,8 +99,8 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Compare a run with massless free pins, at its own time step, with a run with real free pins.
 
-    `real_pins` are the results of the run with real pins, or its error, which is raised. With `quick` the run is a
-    third as long.
+    The compared results are those of `StepFigures`. `real_pins` are the results of the run with real pins, or its
+    error, which is raised. With `quick` the run is a third as long.
     """
     if isinstance(real_pins, RunError):
         raise real_pins
