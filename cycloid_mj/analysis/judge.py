@@ -192,8 +192,8 @@ def _compare_accelerations(motion: Series, mask: Mask) -> AccelerationFindings |
     crank_acceleration = np.diff(motion.orbit_speed) / duration
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / duration[:, np.newaxis]
-    error = Compared(simulated_acceleration, path.acceleration).error_size[evaluated_intervals]
-    return AccelerationFindings(rms(error), peak(error))
+    acceleration_error = Compared(simulated_acceleration, path.acceleration).error_size[evaluated_intervals]
+    return AccelerationFindings(rms(acceleration_error), peak(acceleration_error))
 
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
@@ -224,9 +224,9 @@ def _summarize_crank_bearings(motion: Series) -> CrankBearings | None:
     kind = names.KINDS[names.CRANK]
     if not motion.run.pairs(kind):
         return None
-    forces = np.linalg.norm(motion.run.forces(kind), axis=2)
-    means = [mean_force(bearing) for bearing in forces[motion.whole_periods].T]
-    return CrankBearings(float(forces[motion.evaluation_mask].max()), max(means))
+    crank_forces = np.linalg.norm(motion.run.forces(kind), axis=2)
+    means = [mean_force(bearing) for bearing in crank_forces[motion.whole_periods].T]
+    return CrankBearings(float(crank_forces[motion.evaluation_mask].max()), max(means))
 
 
 def _pin_1(motion: Series) -> Pin1 | None:

@@ -301,12 +301,12 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
     A run has a force of each of these parts on each disc.
     """
     part_names = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
-    pairs, discs = reducer.mechanism.pairs, reducer.design.gear.discs
+    pairs, disc_count = reducer.mechanism.pairs, reducer.design.gear.discs
     for kind, part_name in part_names.items():
         expected_names = {pair.name for pair in pairs if pair.kind == kind}
         logged_names = set(run.pairs(kind))
         if logged_names and logged_names != expected_names:
-            pairs_per_part = 1 if len(logged_names) % discs else discs
+            pairs_per_part = 1 if len(logged_names) % disc_count else disc_count
             expected, logged = (len(names) // pairs_per_part for names in (expected_names, logged_names))
             raise LogError(
                 f"the {DESIGN_FILE} attached to {run.label} has {expected} {part_name}, but the log contains forces "

@@ -32,24 +32,25 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
     springs, carrier_torque = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     loads = solve_rv_loads(springs, carrier_torque, running_friction(reducer, crank, float(np.sign(carrier_torque))))
     normal = springs.tooth_slope[..., :2]
-    discs, crank_count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
+    disc_count, crank_count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
     bearing_forces = loads.bearings
     bearing_directions = loads.cranks / np.maximum(bearing_forces, np.finfo(float).tiny)[..., np.newaxis]
     axes = reducer.stage.crank_positions(crank)[:, np.newaxis]
     centres = reducer.design.gear.eccentricity * reducer.stage.eccentrics(crank)[:, :, np.newaxis]
     moments = axes[..., 0] * loads.cranks[..., 1] - axes[..., 1] * loads.cranks[..., 0]
     disc_moments = moments.sum(axis=2)
-    poses = loads.displacements[:, : 3 * discs].reshape(shape) / [1.0, 1.0, springs.lever]
+    poses = loads.displacements[:, : 3 * disc_count].reshape(shape) / [1.0, 1.0, springs.lever]
     return {
         "teeth": {
             "force": loads.pins,
-            "position": np.tile(ring_places(reducer), (len(crank), discs, 1)) + reducer.design.ring.pin_radius * normal,
+            "position": np.tile(ring_places(reducer), (len(crank), disc_count, 1))
+            + reducer.design.ring.pin_radius * normal,
             "direction": normal,
         },
         "output": {
-            "force": bearing_forces.reshape(len(crank), discs * crank_count),
-            "position": (axes + centres).reshape(len(crank), discs * crank_count, 2),
-            "direction": bearing_directions.reshape(len(crank), discs * crank_count, 2),
+            "force": bearing_forces.reshape(len(crank), disc_count * crank_count),
+            "position": (axes + centres).reshape(len(crank), disc_count * crank_count, 2),
+            "direction": bearing_directions.reshape(len(crank), disc_count * crank_count, 2),
         },
         "discs": poses,
         "output_turn": loads.carrier_turn,

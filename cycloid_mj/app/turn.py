@@ -84,10 +84,10 @@ def _rv_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) 
     `angles_in_ring` are these angles, `turn` is the number of the crank turn, and `load` the torque on the output
     [N m].
     """
-    discs = reducer.design.gear.discs
+    disc_count = reducer.design.gear.discs
     disc_forces = rv_forces(cast(RvReducer, reducer), angles_in_ring, load)
     contacts = {
-        kind: _contact_lists(contact["force"], contact["position"], contact["direction"], discs)
+        kind: _contact_lists(contact["force"], contact["position"], contact["direction"], disc_count)
         for kind, contact in ((kind, disc_forces[kind]) for kind in RV_CONTACTS)
     }
     other_lists = {
@@ -110,8 +110,8 @@ def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: fl
     springs = springs_of(reducer, crank_angles)
     contact_loads = loads(reducer, springs, load, warm_start=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
-    discs, lobes, departures = design.gear.discs, design.lobes, contact_loads.departures
-    poses = departures[:, :-1].reshape(len(crank_angles), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
+    disc_count, lobe_count, departures = design.gear.discs, design.lobes, contact_loads.departures
+    poses = departures[:, :-1].reshape(len(crank_angles), disc_count, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
     # columns of x and y of the disc of each contact
     columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)
     direction = np.take_along_axis(
@@ -119,16 +119,18 @@ def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: fl
     )
     ring_pins, output_centres_at_0 = ring_places(reducer), output_centres(reducer)
     output_pins = np.stack(
-        [transform(np.array([0.0, 0.0, -angle / lobes]), output_centres_at_0) for angle in angles_in_ring]
+        [transform(np.array([0.0, 0.0, -angle / lobe_count]), output_centres_at_0) for angle in angles_in_ring]
     )
-    teeth = np.tile(ring_pins, (len(crank_angles), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
-    output = np.tile(output_pins, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
+    tooth_points = (
+        np.tile(ring_pins, (len(crank_angles), disc_count, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
+    )
+    pin_points = np.tile(output_pins, (1, disc_count, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
     return {
         "turn": turn,
         "load_nm": abs(load),
         "words": CONTACTS,
-        "teeth": _contact_lists(contact_loads.teeth, teeth, direction[:, : springs.teeth], discs),
-        "output": _contact_lists(contact_loads.output, output, direction[:, springs.teeth :], discs),
+        "teeth": _contact_lists(contact_loads.teeth, tooth_points, direction[:, : springs.teeth], disc_count),
+        "output": _contact_lists(contact_loads.output, pin_points, direction[:, springs.teeth :], disc_count),
         "cam": np.round(contact_loads.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
@@ -204,14 +206,14 @@ TURNS: Mapping[Layout, TurnOfLayout] = {
 """Layout -> its functions for a turn."""
 
 
-def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
+def _contact_lists(force: Array, position: Array, direction: Array, disc_count: int) -> dict[str, Any]:
     """Convert forces [N], positions [m] and unit directions of contacts to rounded lists by name, positions in mm.
 
     The keys are ``force``, ``position`` and ``direction``. `force` has shape (angles, discs * contacts), `position` and
     `direction` have (angles, discs * contacts, 2); the lists have shape (angles, discs, contacts) and (angles, discs,
     contacts, 2).
     """
-    shape = (len(force), discs, -1)
+    shape = (len(force), disc_count, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),
         "position": np.round(MILLIMETRES * position, 4).reshape(*shape, 2).tolist(),

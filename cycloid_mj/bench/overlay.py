@@ -122,8 +122,8 @@ def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: floa
     distance = np.zeros(len(loop.torque))
     points = loop.torque / ranges[0], loop.deflection / ranges[1]
     with announce_compilation():
-        for branch_index, (loads, turns) in enumerate(branches):
-            polyline = (loads + torque_offset) / ranges[0], (turns + deflection_offset) / ranges[1]
+        for branch_index, (loads, rotations) in enumerate(branches):
+            polyline = (loads + torque_offset) / ranges[0], (rotations + deflection_offset) / ranges[1]
             _write_distances(points, loop.branch == branch_index, polyline, distance)
     return distance[loop.points_left_out :]
 

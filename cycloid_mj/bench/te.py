@@ -194,8 +194,8 @@ def read_te(path: Path | str) -> MeasuredError:
     """
     path = Path(path)
     columns = read_columns(path, COLUMNS, "a transmission error")
-    crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
-    measured_error = MeasuredError(path.stem, crank, error)
+    crank, errors = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
+    measured_error = MeasuredError(path.stem, crank, errors)
     if measured_error.turns < 1.0 - 2.0 / len(crank):
         span_text = f"{measured_error.turns * 360.0:.4g} deg"
         radians_hint = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
@@ -248,10 +248,10 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
             "--load-nm 0 is not allowed, because without a load the parts float within their clearances: set a "
             "torque other than 0"
         )
-    turns = _crank_turns(reducer)
+    turn_count = _crank_turns(reducer)
     model_curve = compute_model_error(reducer, torque)
-    zero_angle = _fit_zero(model_curve, measured, turns)
-    model = _interpolate_error(model_curve, measured.crank + zero_angle, turns)
+    zero_angle = _fit_zero(model_curve, measured, turn_count)
+    model = _interpolate_error(model_curve, measured.crank + zero_angle, turn_count)
     orders = _resolved_orders(reducer, measured)
     if len(measured.crank) < 2 * len(orders) + 1:
         raise UsageError(
@@ -279,16 +279,19 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
     The n crank angles are evenly spaced over a turn of the output, from 0 on. Weight is left out, and so is friction
     except for an RV reducer.
     """
-    turns = _crank_turns(reducer)
-    angle_count = TE.poses_per_period * reducer.design.ring.teeth * turns
-    crank = 2.0 * np.pi * turns * np.arange(angle_count) / angle_count
+    turn_count = _crank_turns(reducer)
+    angle_count = TE.poses_per_period * reducer.design.ring.teeth * turn_count
+    crank_angles = 2.0 * np.pi * turn_count * np.arange(angle_count) / angle_count
     weightless_reducer = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     if isinstance(reducer, RvReducer):
         # a crank turn at a time, which bounds the memory
-        blocks = [transmission_error(weightless_reducer, angles, torque)[:, 1] for angles in np.split(crank, turns)]
+        blocks = [
+            transmission_error(weightless_reducer, angles, torque)[:, 1]
+            for angles in np.split(crank_angles, turn_count)
+        ]
         error = np.concatenate(blocks)
     else:
-        error = transmission_error(weightless_reducer, crank, torque)[:, 1]
+        error = transmission_error(weightless_reducer, crank_angles, torque)[:, 1]
     return np.asarray(reducer.member.sense * (error - error.mean()))
 
 
@@ -325,9 +328,9 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     resolve it. The order of the output's run-out is included for an RV reducer if the measurement covers about a turn
     of the output.
     """
-    teeth = reducer.design.ring.teeth
+    tooth_count = reducer.design.ring.teeth
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
-    max_order = min(TE.max_harmonic * teeth, int(resolution))
+    max_order = min(TE.max_harmonic * tooth_count, int(resolution))
     integer_orders = np.arange(1, max_order + 1, dtype=np.float64)
     (fractional_base,) = set(base_orders(reducer)) - {1}
     multiples = np.arange(1, max_order + 1) * float(fractional_base)
@@ -340,14 +343,14 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     return np.sort(np.concatenate([runout_orders, integer_orders, multiples[is_distinct & (multiples < max_order)]]))
 
 
-def _fit_zero(model_error: Array, measured: MeasuredError, turns: int) -> float:
+def _fit_zero(model_error: Array, measured: MeasuredError, turn_count: int) -> float:
     """Return the angle [rad] to add to measured crank angles for which the model is nearest to the measurement.
 
     `model_error` is the model's error [rad], shape (n,), at n equally spaced crank angles over a turn of the output,
-    which is `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined
-    by a parabola. The smallest of equally good angles is returned.
+    which is `turn_count` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum
+    refined by a parabola. The smallest of equally good angles is returned.
     """
-    angle_count, full_turn = len(model_error), 2.0 * np.pi * turns
+    angle_count, full_turn = len(model_error), 2.0 * np.pi * turn_count
     interval = full_turn / angle_count
     # the measured curve on the model's angles, then all shifts at once
     bins = np.floor(np.mod(measured.crank, full_turn) / interval + 0.5).astype(int) % angle_count
@@ -368,16 +371,16 @@ def _fit_zero(model_error: Array, measured: MeasuredError, turns: int) -> float:
     return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * interval)
 
 
-def _interpolate_error(model_error: Array, crank: Array, turns: int) -> Array:
+def _interpolate_error(model_error: Array, crank_angles: Array, turn_count: int) -> Array:
     """Interpolate the model's error [rad] at n crank angles [rad], shape (n,), by periodic cubic splines.
 
-    `model_error` is the error [rad] at equally spaced crank angles over a turn of the output, `turns` turns of the
+    `model_error` is the error [rad] at equally spaced crank angles over a turn of the output, `turn_count` turns of the
     crank.
     """
     from scipy.interpolate import CubicSpline
 
-    full_turn = 2.0 * np.pi * turns
+    full_turn = 2.0 * np.pi * turn_count
     knots = np.linspace(0.0, full_turn, len(model_error) + 1)
     return np.asarray(
-        CubicSpline(knots, np.append(model_error, model_error[0]), bc_type="periodic")(np.mod(crank, full_turn))
+        CubicSpline(knots, np.append(model_error, model_error[0]), bc_type="periodic")(np.mod(crank_angles, full_turn))
     )

@@ -118,7 +118,7 @@ def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
     from cycloid_mj.geometry.rv import are_one_part, flip_clockings
     from cycloid_mj.parts.export.rv_assembly import rv_mass
 
-    ring, lobes, discs = reducer.design.ring, reducer.design.lobes, reducer.design.gear.discs
+    ring, lobe_count, disc_count = reducer.design.ring, reducer.design.lobes, reducer.design.gear.discs
     lines = [
         f"      ratio {float(reducer.kinematics.ratio):.6g}, {reducer.cranks.count} cranks on a radius of "
         f"{1e3 * reducer.crank_radius:.4g} mm; crank bearings turn {float(reducer.kinematics.bearing_turns):g} times "
@@ -130,17 +130,17 @@ def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         bearing = reducer.main_bearing
         bearing_text = f"with main bearings 2 x {bearing.designation}, without" if bearing else "without main bearings,"
         lines.append(f"      mass {rv_mass(reducer):.4g} kg, {bearing_text} screws and the shaft of the sun")
-    if discs > 1:
-        if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
+    if disc_count > 1:
+        if are_one_part(ring.teeth, lobe_count, disc_count, reducer.cranks.count):
             disc_text = "one part, turned by a step of the crank bores"
-        elif discs == 2:
-            clocking_text = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
+        elif disc_count == 2:
+            clocking_text = " or ".join(map(str, flip_clockings(ring.teeth, lobe_count, reducer.cranks.count)))
             disc_text = (
                 f"different parts; they are one part, flipped, if a crank bore is {clocking_text} of a pitch off a lobe"
             )
         else:
             disc_text = "different parts"
-        lines.append(f"      {discs} discs, {disc_text}")
+        lines.append(f"      {disc_count} discs, {disc_text}")
     return [*lines, f"{len(checks)} checks: {checks.counts}"]
 
 

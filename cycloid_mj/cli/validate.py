@@ -87,12 +87,12 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     from cycloid_mj.validate.suite import STEP_NAMES
 
     step_numbers = {name: step_number for step_number, name in enumerate(STEP_NAMES, start=1)}
-    steps = dict.fromkeys(row.rung for row in rows)
+    step_names = dict.fromkeys(row.rung for row in rows)
     counts = {row_outcome: sum(row.verdict == row_outcome for row in rows) for row_outcome in RowOutcome}
     failed_rows = [_format_row(step_numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
     json_rows = [row.as_json() for row in rows]
     return Outcome(
-        title="validation: " + ", ".join(f"{step_numbers[name]} {name}" for name in steps),
+        title="validation: " + ", ".join(f"{step_numbers[name]} {name}" for name in step_names),
         failures=[
             f"{name}: {result}, {source}: {reference}; difference {deviation}"
             for name, result, reference, source, deviation, *_ in failed_rows

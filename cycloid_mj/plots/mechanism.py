@@ -90,11 +90,11 @@ def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
     `crank_angle` is in [rad].
     """
     design = reducer.design
-    gear, crank = reducer.tooth_profile, np.array([crank_angle])
-    turn = reducer.member.gear_angle(crank)
-    columns = {"crank_angle": crank, "output_angle": reducer.member.output_angle(crank)}
+    gear, angle = reducer.tooth_profile, np.array([crank_angle])
+    turn = reducer.member.gear_angle(angle)
+    columns = {"crank_angle": angle, "output_angle": reducer.member.output_angle(angle)}
     for name, phase in zip(gears(design.gear.discs), reducer.phases, strict=True):
-        columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, crank + phase).T, turn), strict=True))
+        columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, angle + phase).T, turn), strict=True))
     return columns
 
 
@@ -226,11 +226,11 @@ def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, swee
     axes.add_patch(FancyArrowPatch(path=Path(arc), **patch_style))
 
 
-def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
-    """Return the legend of the parts of a mechanism and, if `forces` is True, of the forces on each disc."""
+def _list_legend(reducer: Reducer, with_forces: bool) -> list[Patch]:
+    """Return the legend of the parts of a mechanism and, if `with_forces` is True, of the forces on each disc."""
     has_pins = reducer.design.ring.kind == "pin"
     names = {"ring": "ring" if has_pins else "internal gear", "pins": "ring pins" if has_pins else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
     parts = [Patch(label=name, linewidth=0.7, **PART_STYLES[part]) for part, name in names.items() if name]
-    discs = reducer.design.gear.discs if forces else 0
-    return parts + [Patch(label=f"force on disc {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]
+    disc_count = reducer.design.gear.discs if with_forces else 0
+    return parts + [Patch(label=f"force on disc {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(disc_count)]

@@ -120,8 +120,8 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
     figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _add_legend(figure, forces)
-    bars, steps = _draw_load_bars(figure, forces.of(*RING), script.ideal)
-    return AnimatedFigure(figure, axes, clock, parts, housing, arrows, bars, steps)
+    bars, ideal_line = _draw_load_bars(figure, forces.of(*RING), script.ideal)
+    return AnimatedFigure(figure, axes, clock, parts, housing, arrows, bars, ideal_line)
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
@@ -194,9 +194,9 @@ def _other_disc_poses(script: Script, row: int) -> list[Array]:
     shape (3,): x [m], y [m] and angle [rad].
     """
     gaps, profile, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
-    crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
+    crank_angle, angle = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
-        np.array([*gear_centre(profile, crank + phases[other]), angle])
+        np.array([*gear_centre(profile, crank_angle + phases[other]), angle])
         for other in _other_discs(script.reducer, gaps.disc)
     ]
 

@@ -127,10 +127,10 @@ def _setup_rows(reviewed_run: Reviewed) -> Iterator[tuple[str, str]]:
     disc_text = f" of {reviewed_run.motion.gear_words}" if design.gear.discs > 1 else ""
     yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{disc_text}"
     span = float(run.time[-1] - run.time[0])
-    turns = abs(DEGREE.from_si(float(np.ptp(reviewed_run.motion.crank_angle[[0, -1]])))) / 360
-    yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
-    steps = f", {reviewed_run.findings.steps:,} steps" if reviewed_run.findings.steps else ""
-    yield "time step", f"{MICROSECOND.from_si(reviewed_run.findings.timestep_s):g} µs{steps}"
+    turn_count = abs(DEGREE.from_si(float(np.ptp(reviewed_run.motion.crank_angle[[0, -1]])))) / 360
+    yield "simulated", f"{span:.4g} s, {turn_count:.1f} crank turns, {len(run):,} samples"
+    steps_text = f", {reviewed_run.findings.steps:,} steps" if reviewed_run.findings.steps else ""
+    yield "time step", f"{MICROSECOND.from_si(reviewed_run.findings.timestep_s):g} µs{steps_text}"
     if reviewed_run.findings.timestep_for:
         yield "accuracy at this time step", reviewed_run.findings.timestep_for
     window = reviewed_run.findings.window

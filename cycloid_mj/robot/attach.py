@@ -217,11 +217,11 @@ def _write_keyframes(
         The reducer's joint, and the name of the hinge.
     """
     attached_model = _compile_copy(spec)
-    crank, output = attached_model.joint(rotor_name(joint)), model.joint(joint)
-    qpos_address, dof_address = int(crank.qposadr[0]), int(crank.dofadr[0])
+    crank_joint, output_joint = attached_model.joint(rotor_name(joint)), model.joint(joint)
+    qpos_address, dof_address = int(crank_joint.qposadr[0]), int(crank_joint.dofadr[0])
     for keyframe, (positions, speeds) in zip(spec.keys, keyframes, strict=True):
         positions, speeds = positions or model.qpos0.tolist(), speeds or [0.0] * model.nv
-        angle = (reduced.middle - positions[int(output.qposadr[0])]) / reduced.coefficient
-        speed = -speeds[int(output.dofadr[0])] / reduced.coefficient
+        angle = (reduced.middle - positions[int(output_joint.qposadr[0])]) / reduced.coefficient
+        speed = -speeds[int(output_joint.dofadr[0])] / reduced.coefficient
         keyframe.qpos = [*positions[:qpos_address], angle, *positions[qpos_address:]]
         keyframe.qvel = [*speeds[:dof_address], speed, *speeds[dof_address:]]

@@ -133,7 +133,7 @@ def lossy_joint_xml(reduced: ReducedJoint) -> str:
     text = joint_xml(replace(reduced, slips=()))
     if reduced.level == "rigid":
         return text
-    shoe, crank, name = fit_shoe(reduced), rotor_name(OUTPUT), f"{OUTPUT}_shoe"
+    shoe, crank_name, name = fit_shoe(reduced), rotor_name(OUTPUT), f"{OUTPUT}_shoe"
     # tan(angle) of the hinge; its turn q moves the shoe by its lever cos(angle) q along the axis
     tilt = reduced.way * shoe.leading * SHOE.lever / shoe.friction
     lever = SHOE.lever / math.hypot(1.0, tilt)
@@ -166,7 +166,7 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
         xml_tail = (
             f'{tendon}<fixed name="{reducer_name(OUTPUT, index)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
         )
-    comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
+    comment = f"Losses grow with the load by the shoe {name} on {crank_name}: for friction cones that are elliptic. "
     return (xml_head + xml_tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)
 
 

@@ -343,10 +343,10 @@ class ReducedJoint(Presented):
                 f"no joint of the model has the reducer {self.name!r}: attach it first with attach_reducer"
             )
         for start, size in matching_tuples:
-            output, *other_objects = model.tuple_objid[start : start + size].tolist()
-            crank, *tendons = other_objects or [output]
+            output_joint, *other_objects = model.tuple_objid[start : start + size].tolist()
+            crank_joint, *tendons = other_objects or [output_joint]
             output_addresses, crank_addresses = (
-                (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output, crank)
+                (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output_joint, crank_joint)
             )
             yield JointAddresses(*output_addresses, *crank_addresses, tuple(tendons))
 

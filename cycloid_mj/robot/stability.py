@@ -244,8 +244,8 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
             longest_by_load = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
             step_by_load = {load: trial.timestep if trial else 0.0 for load, trial in longest_by_load.items()}
             errors = {load: trial.impact_error if trial else math.nan for load, trial in longest_by_load.items()}
-            steps = {"timestep_s": min(step_by_load.values()), "by_load": step_by_load, "impact_error": errors}
-            rows.append({"level": level, "integrator": integrator, **steps})
+            recommendation = {"timestep_s": min(step_by_load.values()), "by_load": step_by_load, "impact_error": errors}
+            rows.append({"level": level, "integrator": integrator, **recommendation})
     return rows
 
 
@@ -300,10 +300,10 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
     if deviations is None or float(np.ptp(deviations[step_count // 2 :])) > STUDY.max_vibration * wind_up:
         return False, np.nan, np.nan
     mean_wind_up, frequency = _analyse_vibration(deviations[step_count // 2 :] - stop_angle, timestep)
-    error = mean_wind_up / wind_up - 1.0
-    if abs(error) > STUDY.static_rtol:
-        error = _settled_wind_up_error(scene, step_count, stop_angle)
-    return True, error, frequency / angular_frequency - 1.0
+    relative_error = mean_wind_up / wind_up - 1.0
+    if abs(relative_error) > STUDY.static_rtol:
+        relative_error = _settled_wind_up_error(scene, step_count, stop_angle)
+    return True, relative_error, frequency / angular_frequency - 1.0
 
 
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> float:
@@ -380,8 +380,8 @@ def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, fl
     total_inertia = inertia + reduced.reflected_inertia
     accelerating_torque = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.addresses.output_speed])
     speed = reduced.way * float(scene.data.qvel[scene.addresses.output_speed])
-    error = speed / (accelerating_torque / total_inertia * STUDY.min_steps * timestep) - 1.0
-    return bool(np.isfinite(error)), error, np.nan
+    relative_error = speed / (accelerating_torque / total_inertia * STUDY.min_steps * timestep) - 1.0
+    return bool(np.isfinite(relative_error)), relative_error, np.nan
 
 
 def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:

@@ -177,8 +177,8 @@ def sample_rows() -> list[ValidationRow]:
     springs = springs_of(Reducer(design), TURN, friction=False)
     contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     poses, forces = [], []
-    for angle_index, crank in enumerate(TURN):
-        _, reference = springs_and_reference(Reducer(design), crank)
+    for angle_index, crank_angle in enumerate(TURN):
+        _, reference = springs_and_reference(Reducer(design), crank_angle)
         poses.append(reference.solve_equilibrium(load[angle_index], contact_loads.departures[angle_index]))
         forces.append(reference.forces(poses[-1]))
     pose_array, force_array = np.array(poses), np.array(forces)

@@ -61,11 +61,11 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
     )
     reducer = Reducer(design)
     run = _ideal_run(reducer, 1640.0, 60.0 / 1640.0)
-    crank, speed = run["crank_angle"], run["crank_speed"]
+    crank_angle, speed = run["crank_angle"], run["crank_speed"]
     simulated_force = run.forces("cam")[:, 0]
-    disc_force = body_force(reducer, crank, speed)
-    expected_force = statics_load(reducer, crank, disc_force)
-    outward_direction = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
+    disc_force = body_force(reducer, crank_angle, speed)
+    expected_force = statics_load(reducer, crank_angle, disc_force)
+    outward_direction = np.stack([-np.sin(crank_angle), np.cos(crank_angle)], axis=-1)
     mean_radial, expected_radial = (
         float(np.mean(np.sum(force * outward_direction, axis=1))) for force in (simulated_force, expected_force)
     )
@@ -85,14 +85,14 @@ def _rated_rows() -> list[ValidationRow]:
     """
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
-    crank, cam_force = run["crank_angle"], run.forces("cam")[:, 0]
-    disc_force = body_force(reducer, crank, run["crank_speed"])
+    crank_angle, cam_force = run["crank_angle"], run.forces("cam")[:, 0]
+    disc_force = body_force(reducer, crank_angle, run["crank_speed"])
     balancing_force = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - disc_force
     # The vibration of the disc has zero mean in the rotating frame.
     mean_cam_force, mean_balancing_force = (
-        np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam_force, balancing_force)
+        np.mean(_in_crank_frame(force, crank_angle), axis=0, keepdims=True) for force in (cam_force, balancing_force)
     )
-    ideal_force = statics_load(reducer, crank, disc_force)
+    ideal_force = statics_load(reducer, crank_angle, disc_force)
     return [
         deviation_row(
             "load of the cam, rated, free pins",

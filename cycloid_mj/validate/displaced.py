@@ -84,13 +84,13 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | 
 
 
 def _tooth_contacts(
-    reducer: Reducer, crank: float, z: Array, disc: int, pin_shift: Array | float = 0.0
+    reducer: Reducer, crank_angle: float, z: Array, disc: int, pin_shift: Array | float = 0.0
 ) -> tuple[Array, Array]:
     """Compute the gaps of the N ring pins or lobe arcs to a disc, and their gradients by the unknowns.
 
     Parameters
     ----------
-    crank, z
+    crank_angle, z
         Crank angle relative to the ring [rad], and pose [m] by u unknowns: x, y and rotation of each disc, then the
         rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
     disc
@@ -103,7 +103,7 @@ def _tooth_contacts(
     tuple of Array
         Gaps [m], shape (N,), and gradients [1], shape (N, u).
     """
-    gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
+    gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank_angle, z, disc)
     pin_centres = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_displacement + pin_shift
     nearest_points = pin_gaps(gear, pose, pin_centres, design_flanks(reducer))
     offset = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
@@ -115,12 +115,12 @@ def _tooth_contacts(
     return nearest_points.distance + offset, gradients
 
 
-def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
+def _hole_contacts(reducer: Reducer, crank_angle: float, z: Array, disc: int) -> tuple[Array, Array]:
     """Compute the gaps of the n output pins in the holes of a disc, and their gradients by the unknowns.
 
     Parameters
     ----------
-    crank, z
+    crank_angle, z
         Crank angle relative to the ring [rad], and pose [m] by u unknowns: x, y and rotation of each disc, then the
         rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
     disc
@@ -131,14 +131,14 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     tuple of Array
         Gaps [m], shape (n,), and gradients [1], shape (n, u).
     """
-    output, ideal_angle = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
+    output, ideal_angle = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank_angle))
     ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     disc_angle, output_angle = (ideal_angle + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
     hole_centres, pin_centres = (
         rotate(ideal_positions + reducer.deviations.hole_displacement[disc], disc_angle),
         rotate(ideal_positions, output_angle),
     )
-    centre_distances = pin_centres - hole_centres - pose_of(reducer, crank, z, disc).centre
+    centre_distances = pin_centres - hole_centres - pose_of(reducer, crank_angle, z, disc).centre
     distance = np.linalg.norm(centre_distances, axis=1)
     normals, gradients = centre_distances / distance[:, np.newaxis], np.zeros((output.pins, z.size))
     gradients[:, 3 * disc : 3 * disc + 2] = normals
@@ -222,13 +222,13 @@ class DisplacedSprings:
         `gaps` [m], shape (n + D,), are those of the contacts, then of the cams; for output pins, the gaps before
         bending.
         """
-        discs = self.design.gear.discs
-        forces = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
+        disc_count = self.design.gear.discs
+        forces = -np.append(self.stiffness, [self.cam_stiffness] * disc_count) * np.minimum(gaps, 0.0)
         if self.bending.any():
-            pins = self.design.output.pins
-            first_row = self.stiffness.size - discs * pins
-            for pin in range(pins):
-                rows = first_row + pin + pins * np.arange(discs)
+            pin_count = self.design.output.pins
+            first_row = self.stiffness.size - disc_count * pin_count
+            for pin in range(pin_count):
+                rows = first_row + pin + pin_count * np.arange(disc_count)
                 forces[rows] = _pin_forces(gaps[rows], np.diag(1.0 / self.stiffness[rows]) + self.bending)
         return forces
 
@@ -283,10 +283,10 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
     >= 0, an open contact has a gap >= 0. All combinations of closed contacts are tried. Raises RunError if there is no
     solution.
     """
-    discs = gaps.size
-    for closed_bits in range(2**discs):
-        is_closed: Mask = np.array([bool(closed_bits >> disc & 1) for disc in range(discs)])
-        forces = np.zeros(discs)
+    disc_count = gaps.size
+    for closed_bits in range(2**disc_count):
+        is_closed: Mask = np.array([bool(closed_bits >> disc & 1) for disc in range(disc_count)])
+        forces = np.zeros(disc_count)
         forces[is_closed] = np.linalg.solve(compliance[np.ix_(is_closed, is_closed)], -gaps[is_closed])
         bent_gaps = gaps + compliance @ forces
         if np.all(forces >= 0.0) and np.all(bent_gaps[~is_closed] >= 0.0):

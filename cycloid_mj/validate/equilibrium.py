@@ -186,7 +186,7 @@ def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
     return _SCALE * np.asarray(minimum.x)
 
 
-def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
+def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank_angle: float) -> LockedReducer:
     """Return a reducer with its crank locked at an angle [rad], under the load of its design.
 
     `stiffness` is the contact stiffness of each kind of pair [N/m].
@@ -195,11 +195,11 @@ def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank
     gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
     if design.ring.kind == "nonpin":
-        touched_roots = envelope.sigma_contacts(gear, crank).lobe
+        touched_roots = envelope.sigma_contacts(gear, crank_angle).lobe
         roots = np.unique((touched_roots[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
     load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    return LockedReducer(design, gear, stiffness, crank, load, roots, design_flanks(reducer), reducer.deviations)
+    return LockedReducer(design, gear, stiffness, crank_angle, load, roots, design_flanks(reducer), reducer.deviations)
 
 
 def _energy(locked: LockedReducer, z: Array) -> float:

@@ -181,7 +181,7 @@ def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[Validatio
     rated_reducer = reducer.at_rated_load
     stiffness = {pair: rated_reducer.contacts[pair].stiffness for pair in rated_reducer.design.pair_kinds}
     contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), rig.RATED_LOAD)
-    equilibria = [equilibrium.solve(reducer, stiffness, crank) for crank in crank_angles]
+    equilibria = [equilibrium.solve(reducer, stiffness, crank_angle) for crank_angle in crank_angles]
     cam_forces, output_turns = (
         np.array([getattr(solution, name) for solution in equilibria]) for name in ("cam_force", "output_turn")
     )
@@ -262,11 +262,11 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
-    fit, teeth = best_fit(reducer, BALANCE.crank), design.ring.teeth
+    fit, tooth_count = best_fit(reducer, BALANCE.crank), design.ring.teeth
     relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
     is_shifted = np.any(fit.pin_shift, axis=1)
-    disc_gaps = exact_gaps(reducer, relative_angle, unknowns, fit.pin_shift)[: design.gear.discs * teeth].reshape(
-        -1, teeth
+    disc_gaps = exact_gaps(reducer, relative_angle, unknowns, fit.pin_shift)[: design.gear.discs * tooth_count].reshape(
+        -1, tooth_count
     )
     front_gaps = disc_gaps.min(axis=0)[is_shifted]
     seat_gaps = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[is_shifted]

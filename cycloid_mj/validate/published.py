@@ -121,7 +121,7 @@ def printed_drive_rows(quick: bool) -> list[ValidationRow]:
     )
     min_angle, max_angle = limits.stops(design, 0.0)
     crank_angles = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
-    mean_turn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in crank_angles])
+    mean_turn = np.mean([np.ptp(limits.stops(design, float(crank_angle), sides=180)) for crank_angle in crank_angles])
     name = "backlash of a printed drive"
     clearance_note = "nominal clearances; printed parts have about twice as much"
     return [
@@ -159,8 +159,8 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
         drive={"speed": 0.0},
     )
     reducer = Reducer(design)
-    crank = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
-    contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), design.rated_torque / 100.0)
+    crank_angles = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
+    contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), design.rated_torque / 100.0)
     cam = 100.0 * np.linalg.norm(contact_loads.cam, axis=-1)
     values = (
         ("largest force on a pin", 100.0 * contact_loads.teeth.max(), 213.14),
@@ -182,12 +182,12 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
     tuple of float
         Pressure at the lobe's tip, in the valley and on an output sleeve [Pa].
     """
-    lobes, pins = case.pins - 1, case.pins
+    lobe_count, pin_count = case.pins - 1, case.pins
     eccentricity, pin_radius, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
-    gear = CycloidGear(pins, eccentricity, eccentricity * pins / case.shortening, pin_radius)
-    tip_curvature, valley_curvature = profile.curvature(gear, [np.pi / lobes, 0.0])
-    ring_force = 4.0 * case.moment * lobes / (eccentricity * lobes * pins)
-    output_force = 2.0 * case.moment * lobes * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
+    gear = CycloidGear(pin_count, eccentricity, eccentricity * pin_count / case.shortening, pin_radius)
+    tip_curvature, valley_curvature = profile.curvature(gear, [np.pi / lobe_count, 0.0])
+    ring_force = 4.0 * case.moment * lobe_count / (eccentricity * lobe_count * pin_count)
+    output_force = 2.0 * case.moment * lobe_count * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
     sleeve_curvature = 1e3 / case.sleeve_radius - 1e3 / case.hole_radius
     modulus = ideal_loads.contact_modulus(200e9, 0.3)
     forces = [ring_force, ring_force, output_force]
@@ -270,11 +270,11 @@ def mesh_efficiency(case: Wang) -> float:
 
     Symbols: z lobes, friction coefficient mu, diameters Dp of the pin circle and d of a pin, trochoid ratio K1.
     """
-    lobes = case.pins - 1
+    lobe_count = case.pins - 1
     eta_nx = 1.0 - 4.0 * case.mesh_friction * (case.pin_circle - case.pin) / (
-        case.shortening * lobes * case.pin_circle * math.pi
+        case.shortening * lobe_count * case.pin_circle * math.pi
     )
-    return eta_nx / (1.0 + lobes * (1.0 - eta_nx))
+    return eta_nx / (1.0 + lobe_count * (1.0 - eta_nx))
 
 
 def output_efficiency(case: Wang) -> float:

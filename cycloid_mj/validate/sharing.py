@@ -111,7 +111,7 @@ def _compare_ideal_forces(
     """
     design = _at_slow_speed(Reducer(design_of_kind(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, SHARING.stiff_cam, separate_lines)
-    expected_forces = np.stack([reference(design, crank) for crank in run["crank_angle"]])
+    expected_forces = np.stack([reference(design, crank_angle) for crank_angle in run["crank_angle"]])
     return deviation_row(
         quantity, run.forces(design.design.tooth_pair), expected_forces, "N", source, SHARING.ideal, note
     )
@@ -184,9 +184,9 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
     stiffness["cam"] = cam_stiffness or stiffness["cam"]
     sample_indices = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
     equilibria: list[equilibrium.Equilibrium] = []
-    for crank in run["crank_angle"][sample_indices]:
+    for crank_angle in run["crank_angle"][sample_indices]:
         equilibria.append(
-            equilibrium.solve(slow_reducer, stiffness, float(crank), equilibria[-1] if equilibria else None)
+            equilibrium.solve(slow_reducer, stiffness, float(crank_angle), equilibria[-1] if equilibria else None)
         )
     tooth_forces, expected_forces = (
         run.forces(slow_reducer.design.tooth_pair)[sample_indices],
@@ -230,7 +230,7 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
     return rig.with_changes(reducer, *changes)
 
 
-def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
+def _ideal_contacts(reducer: Reducer, crank_angle: float) -> tuple[Integers, Array, Array]:
     """Compute the contacts of the ideal mesh at a crank angle [rad]: with the ring pins, or with an internal gear.
 
     Those with an internal gear are first the contacts with the arcs of its lobes, then those with the flanks Sigma
@@ -244,10 +244,10 @@ def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Ar
         contact on pin, arc or flank, (n,).
     """
     gear = reducer.tooth_profile
-    arc_contacts = envelope.arc_contacts(gear, crank)
+    arc_contacts = envelope.arc_contacts(gear, crank_angle)
     if reducer.design.ring.kind == "pin":
         return arc_contacts.lobe, arc_contacts.normals, arc_contacts.B
-    flank_contacts = envelope.sigma_contacts(gear, crank)
+    flank_contacts = envelope.sigma_contacts(gear, crank_angle)
     lobes = np.concatenate([arc_contacts.lobe, _lobes_of_flanks(gear, flank_contacts)])
     return (
         lobes,
@@ -264,7 +264,7 @@ def _lobes_of_flanks(gear: CycloidGear, contacts: envelope.RingContacts) -> Inte
     return (contacts.lobe - np.greater(contacts.B, np.pi)) % gear.ring_teeth
 
 
-def _patch_weights(reducer: Reducer, crank: float) -> Array:
+def _patch_weights(reducer: Reducer, crank_angle: float) -> Array:
     """Compute the weight [1] of each of n contact lines of the ideal internal gear at a crank angle [rad], shape (n,).
 
     The weight is the stiffness of the line divided by that of a line with a spring of its own. Arcs come first, then
@@ -274,8 +274,8 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """
     design = reducer.design
     gear = tooth_profile(design)
-    roots, min_phase = envelope.sigma_contacts(gear, crank), gear.best_phase
-    pose = GearPose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
+    roots, min_phase = envelope.sigma_contacts(gear, crank_angle), gear.best_phase
+    pose = GearPose(gear.eccentricity * profile.unit(-crank_angle), -crank_angle / gear.lobes)
     deflection = design.contact.working_force / design.contact.stiffness
     mid_phases = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - min_phase, min_phase)) / 2
     arc_weights, root_weights = np.ones(gear.ring_teeth), np.empty(roots.B.size)
