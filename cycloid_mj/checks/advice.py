@@ -134,7 +134,9 @@ def _is_worse(check_after: Check, check_before: Check | None, target_name: str) 
 def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
     """Choose the next change of a design that makes a failed check pass: a larger change, or one of other keys.
 
-    `applied_change` is the change that has been made so far. Returns None if there is no such change.
+    `applied_change` maps the keys changed so far to their values, with which `failed_check` fails. Preferred is a
+    remedy of the check that changes the same keys further in the same direction, then an increase by `_extend_change`,
+    then a remedy that changes none of these keys; None if there is no such change.
     """
     design = reducer.design
     for change in failed_check.changes:
@@ -190,9 +192,10 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
-    """Check a changed design, without the slow checks that need statics; return the checks by name.
+    """Check a design with a `change`, without the slow checks that need statics; return the checks by name.
 
-    The result is None if the change is not allowed. `change` maps keys of the design file to new values.
+    `change` maps keys of the design file to new values. The result is None if the design file does not allow them. The
+    checks of usual margins are left out if the design cannot be built.
     """
     try:
         changed_reducer = reducer_of(override(reducer.design, dict(change)))

@@ -13,7 +13,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for the thickness of the disc's walls, and the check of the radius of its output holes.
+    """Yield the rules (`wall_rule`) for the thickness of the disc's walls, and the check of the radius of its holes.
 
     In the code, E is the radius of the pin circle and rho that of a ring pin [m]. The walls are those between bore and
     root of the lobes ("bore"), bore and output holes ("holes_to_bore"), output holes and root ("holes_to_root"), and
@@ -139,7 +139,7 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
 
 
 def _hole_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the thickness of the wall between neighbouring output holes.
+    """Return the rule (`wall_rule`) for the thickness of the wall between neighbouring output holes.
 
     A smaller hole alone is no remedy, because its radius depends on output-pin radius and eccentricity.
     """

@@ -42,13 +42,13 @@ def _short_width_rule(reducer: Reducer) -> Rule:
     """
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
-    low, high = MARGINS.k1_range
-    lower_limit = Limit("gear.eccentricity", "at least", low * E / N)
-    limit = Limit(lower_limit.key, "at most", high * E / N) if lower_limit.is_met(reducer) else lower_limit
+    min_k1, max_k1 = MARGINS.k1_range
+    lower_limit = Limit("gear.eccentricity", "at least", min_k1 * E / N)
+    limit = Limit(lower_limit.key, "at most", max_k1 * E / N) if lower_limit.is_met(reducer) else lower_limit
     return Rule(
         "short_width",
         limit,
-        f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, should be {low:g} to {high:g} (assumed):"
+        f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, should be {min_k1:g} to {max_k1:g} (assumed):"
         " below, the tooth forces are mostly radial; above, the lobes are sharply curved",
         severity="warning",
     )

@@ -75,8 +75,8 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
         "the yield strength of a material cannot exceed its tensile strength",
         (Limit(f"{table}.tensile_strength", "at least", material.yield_strength),),
     )
-    for name, (low, high) in PLAUSIBLE.items():
-        side, bound = ("at most", high) if getattr(material, name) >= low else ("at least", low)
+    for name, (min_value, max_value) in PLAUSIBLE.items():
+        side, bound = ("at most", max_value) if getattr(material, name) >= min_value else ("at least", min_value)
         limit = Limit(f"{table}.{name}", side, bound)
         explanation = "no material from polymers to tungsten carbide is beyond this limit: check the unit"
         yield Rule(f"{part}{name}", limit, explanation, severity="warning")
@@ -178,13 +178,13 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """
     design = reducer.design
     names = design.pair_kinds
-    total, max_total = _total_clearance(reducer)
-    value_text, limit_text = value_and_limit(total, "at most", max_total, MICROMETRE)
-    limits = [Limit(f"clearance.{name}", "at most", max_total / len(names)) for name in names]
-    violated_limits = [] if total <= max_total else [limit for limit in limits if not limit.is_met(reducer)]
+    clearance_sum, max_sum = _total_clearance(reducer)
+    value_text, limit_text = value_and_limit(clearance_sum, "at most", max_sum, MICROMETRE)
+    limits = [Limit(f"clearance.{name}", "at most", max_sum / len(names)) for name in names]
+    violated_limits = [] if clearance_sum <= max_sum else [limit for limit in limits if not limit.is_met(reducer)]
     yield Check(
         name="play",
-        passed=total <= max_total,
+        passed=clearance_sum <= max_sum,
         got=f"{value_text} ({' + '.join(names)})",
         limit=f"{limit_text} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
@@ -192,7 +192,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         key="clearance",
         **joint_remedy(reducer, violated_limits),
     )
-    if total > max_total and has_shape:
+    if clearance_sum > max_sum and has_shape:
         yield _check_tooth_skip(reducer)
 
 

@@ -125,7 +125,7 @@ def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
 
 
 def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
-    """Yield the rules for the walls of a disc between the roots of its lobes, crank bores, middle hole and windows."""
+    """Yield the rules (`wall_rule`) for a disc's walls between lobe roots, crank bores, middle hole and windows."""
     design, cranks = reducer.design, reducer.cranks
     E, crank_circle, bore_radius = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
     root_radius = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle

@@ -113,19 +113,19 @@ def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
             "the contact leaves dents, as in a hardness test",
         ),
     ):
-        allowed = factor * strength
-        is_passed = pressure <= allowed
+        allowed_pressure = factor * strength
+        is_passed = pressure <= allowed_pressure
         remedies: list[Limit] = []
         consequence_text = f"above this pressure {consequence}"
         if not is_passed:
-            torque = loads.torque_at(kind, allowed)
+            torque = loads.torque_at(kind, allowed_pressure)
             consequence_text = f"above {_newton_metres(torque)} {consequence}" if math.isfinite(torque) else consequence
             remedies = [
-                _face_width_limit(reducer, lambda trial: trial.peak_pressure(kind), allowed, 2.0),
+                _face_width_limit(reducer, lambda trial: trial.peak_pressure(kind), allowed_pressure, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
-        value_text, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
+        value_text, limit = value_and_limit(pressure, "at most", allowed_pressure, MEGAPASCAL)
         yield Check(
             name=f"{part}_{name}",
             passed=is_passed,
@@ -135,7 +135,7 @@ def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(loads.torque))}",
             **single_remedies(reducer, remedies),
-            **numbers(pressure, allowed, MEGAPASCAL),
+            **numbers(pressure, allowed_pressure, MEGAPASCAL),
         )
 
 

@@ -101,7 +101,7 @@ def _undercut_rule(reducer: Reducer) -> Rule:
 
 
 def _pin_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the thickness of the wall between the sockets of neighbouring ring pins."""
+    """Return the rule (`wall_rule`) for the thickness of the wall between the sockets of neighbouring ring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket_radius = design.ring.pin_radius + play
@@ -188,7 +188,7 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
 
 
 def _housing_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the thickness of the housing outside the sockets, or the roots of an internal gear."""
+    """Return the rule (`wall_rule`) for the housing's thickness outside the sockets, or an internal gear's roots."""
     design = reducer.design
     ring, c, outer_radius = design.ring, design.gear.eccentricity, design.housing.outer_radius
     socket_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play

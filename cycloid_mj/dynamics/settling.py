@@ -58,9 +58,9 @@ def closed_stiffness(reducer: Reducer) -> float:
     stiffness = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
     stiffness |= {"output": design.gear.discs * reducer.contacts["output"].stiffness_by_disc[0]}
     gear, output = reducer.tooth_profile, design.output
-    arms = profile.moment_arm(gear, profile.pin_angles(gear))
+    moment_arms = profile.moment_arm(gear, profile.pin_angles(gear))
     mesh_compliance = sum(1.0 / stiffness[kind] for kind in stiffness if kind not in ("cam", "output"))
-    mesh = np.sum(arms[arms > 0.0] ** 2) / mesh_compliance
+    mesh = np.sum(moment_arms[moment_arms > 0.0] ** 2) / mesh_compliance
     cam = stiffness["cam"] * (gear.eccentricity * gear.lobes) ** 2
     pins = stiffness["output"] * output.pins * output.pin_circle_radius**2 / 4.0
     return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))

@@ -244,8 +244,8 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:
-        arm = design.gear.eccentricity * design.ring.teeth
-        by_ring = design.gear.discs * arm**2 / ring_inertia
+        moment_arm = design.gear.eccentricity * design.ring.teeth
+        by_ring = design.gear.discs * moment_arm**2 / ring_inertia
         mobility[design.tooth_pair] = (1.0 / gear + by_ring) * design.ring.teeth / 2.0
     return {kind: 1.0 / mobility_of_kind for kind, mobility_of_kind in mobility.items()}
 

@@ -242,12 +242,12 @@ def cam_ratings(reducer: Reducer) -> Ratings:
     """
     design = reducer.design
     gear, bearing = design.gear, design.bearing
-    row = RollerRow(
+    roller_row = RollerRow(
         design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
     )
     location_text = "touching each other on the cam's circle, the disc's bore as outer ring"
     stated_ratings = bearing.dynamic_capacity, bearing.static_capacity
-    return _choose_ratings(stated_ratings, cam_bearing(reducer), row, location_text)
+    return _choose_ratings(stated_ratings, cam_bearing(reducer), roller_row, location_text)
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
@@ -258,14 +258,14 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
     bearing_start, bearing_end = shaft_dimensions(reducer).bearings[0]
-    row = RollerRow(
+    roller_row = RollerRow(
         ASSUMED_ROLLERS.shaft_rollers, roller_diameter, bearing_end - bearing_start, 2.0 * radius + roller_diameter
     )
     stated_ratings, stock_bearing = (
         (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity),
         shaft_bearing(reducer),
     )
-    return _choose_ratings(stated_ratings, (stock_bearing, 1) if stock_bearing else None, row, "on the shaft")
+    return _choose_ratings(stated_ratings, (stock_bearing, 1) if stock_bearing else None, roller_row, "on the shaft")
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
@@ -304,9 +304,9 @@ def _output_roller_ratings(reducer: Reducer) -> Ratings:
     design = reducer.design
     output, bearing = design.output, design.bearing
     needles = needle_row(output)
-    row = RollerRow(needles.needles, needles.diameter, design.gear.face_width, needles.pitch)
+    roller_row = RollerRow(needles.needles, needles.diameter, design.gear.face_width, needles.pitch)
     stated_ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return _choose_ratings(stated_ratings, None, row, "round the core of a pin")
+    return _choose_ratings(stated_ratings, None, roller_row, "round the core of a pin")
 
 
 def _choose_ratings(

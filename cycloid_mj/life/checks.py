@@ -208,21 +208,21 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not items_of_kind:
             continue
-        weakest = min(items_of_kind, key=lambda item: item.margin(rating.life))
-        margin = weakest.margin(rating.life)
-        is_life = weakest.safety is None
-        limit_text = f" against a limit of {weakest.limit_text}" if weakest.limit_text else ""
+        weakest_item = min(items_of_kind, key=lambda item: item.margin(rating.life))
+        margin = weakest_item.margin(rating.life)
+        is_life = weakest_item.safety is None
+        limit_text = f" against a limit of {weakest_item.limit_text}" if weakest_item.limit_text else ""
         yield Check(
             name=kind,
             passed=margin >= 1.0,
-            got=f"{weakest.verdict} ({weakest.name})",
+            got=f"{weakest_item.verdict} ({weakest_item.name})",
             limit=f"at least {rating.life:g} h" if is_life else "at least 1",
-            why=f"{explanation}; {weakest.load_text}{limit_text}, for {rating.duty}"
+            why=f"{explanation}; {weakest_item.load_text}{limit_text}, for {rating.duty}"
             f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
             remedy="" if margin >= 1.0 else HEAT_REMEDY if kind == "heat" else REMEDY,
             severity="warning",
             key=design_key,
-            value=weakest.life if is_life else weakest.safety,
+            value=weakest_item.life if is_life else weakest_item.safety,
             bound=rating.life if is_life else 1.0,
             unit="h" if is_life else "1",
         )

@@ -211,10 +211,10 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         contents = _rv_contents(reducer, life, static_sheet, advance)
     else:
         contents = _central_contents(reducer, life, static_sheet, advance)
-    groups, curves, ratings, weakest = contents
+    groups, curves, ratings, weakest_item = contents
     catalogue = quantities(reducer.but(load={"torque": design.rated_torque}))
     advance()
-    return Datasheet(design, life, groups, curves, _notes(reducer, ratings, static_sheet), catalogue, weakest)
+    return Datasheet(design, life, groups, curves, _notes(reducer, ratings, static_sheet), catalogue, weakest_item)
 
 
 Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, ...], RatedItem]
@@ -232,10 +232,10 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
     design = reducer.design
     momentary_limit, stop_item = momentary_torque(reducer)
     life_limit = rated_torque(reducer, design.drive.speed, life)
-    rated_limit, weakest = min(life_limit, (momentary_limit, stop_item), key=lambda pair: pair[0])
+    rated_limit, weakest_item = min(life_limit, (momentary_limit, stop_item), key=lambda pair: pair[0])
     advance()
     groups = {
-        "Ratings": _rating_rows(reducer, life, (rated_limit, weakest), (momentary_limit, stop_item)),
+        "Ratings": _rating_rows(reducer, life, (rated_limit, weakest_item), (momentary_limit, stop_item)),
         "Accuracy and stiffness": _accuracy_rows(reducer, static),
         "Efficiency and heat": _efficiency_rows(reducer, static),
         "Speed": _speed_rows(reducer),
@@ -257,7 +257,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
         *no_load_curves(reducer),
     )
     advance()
-    return groups, curves, (_describe_ratings(life),), weakest
+    return groups, curves, (_describe_ratings(life),), weakest_item
 
 
 def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
@@ -312,7 +312,7 @@ def _rating_rows(
     speed = design.drive.speed
     condition = f"{describe_speed(reducer)} input"
     bearing_torque, bearing = rated_torque(reducer, speed, life, is_bearing_life)
-    (rated_value, weakest), (momentary_value, stop_item) = rated_limit, momentary_limit
+    (rated_value, weakest_item), (momentary_value, stop_item) = rated_limit, momentary_limit
     acceleration_torque, strength_item = min(
         rated_torque(reducer, speed, life, is_strength, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol),
         (momentary_value, stop_item),
@@ -325,7 +325,7 @@ def _rating_rows(
             f"Rated torque, {life:g} h",
             rated_value,
             "N m",
-            note=f"{condition}, safety factor 1; limited by {weakest.name}",
+            note=f"{condition}, safety factor 1; limited by {weakest_item.name}",
         ),
         Quantity(
             "bearing_torque",

@@ -179,7 +179,7 @@ class _Loads:
         pin_arm = sizes.circle_out[:, None] * np.sin(angle)
         series_factor = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
-        line = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
+        line_stiffness = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
         bending = bending / _stack(sizes, design) ** 3
         weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
@@ -188,7 +188,7 @@ class _Loads:
         pin_springs = (
             pin_arm,
             weights[1],
-            1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)),
+            1.0 / (1.0 / line_stiffness + 1.0 / np.maximum(bending, 1.0)),
             design.clearance.output,
         )
         torsional_stiffness = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]

@@ -79,10 +79,10 @@ def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> floa
     The design states it; otherwise it is `still_air_coefficient`.
     """
     service = reducer.design.service
-    outer = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius
+    outer_radius = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius
     emissivity = reducer.design.thermal.emissivity
     return service.film_coefficient or still_air_coefficient(
-        2.0 * outer, wall_temperature, service.ambient_temperature, emissivity
+        2.0 * outer_radius, wall_temperature, service.ambient_temperature, emissivity
     )
 
 

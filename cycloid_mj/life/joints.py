@@ -448,9 +448,9 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     drive_casing, shaft_diameter = casing(reducer), 2.0 * reducer.design.shaft.radius
     motor_bore, cam_shrink_fit = drive_casing.motor_bore, shrink_fit(reducer, drive_casing)
     if motor_bore:
-        radius, low, high = motor_bore
+        radius, bore_start, bore_end = motor_bore
         yield _rate_glued_shaft(
-            "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low
+            "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, bore_end - bore_start
         )
     for joint in drive_joints(reducer, drive_casing):
         if joint.kind is JointKind.KEYED:
@@ -513,7 +513,7 @@ def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
     """Rate the `joint` of cams clamped on the shaft by screws: `torque` [N m] on a cam against its slip torque."""
     clamp = cam_clamp(reducer)
     assert clamp is not None
-    preload, weakest = _clamp_preload(reducer, clamp)
+    preload, limit_text = _clamp_preload(reducer, clamp)
     clearance = 0.5 * sum(fits.clearances(fit_code(joint.fit), joint.diameter))
     force, hub = clamp.count * preload, clamp.hub
     lost_share = hub.closing_moment(clearance) / (force * hub.screw_arm)
@@ -523,7 +523,7 @@ def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
         torque,
         hub.torque(force, clearance),
         "T = mu d (F l1 - M)/l2 (Roloff/Matek 12.3.4), F = 0.7 R_p A_s (VDI 2230)",
-        f"{clamp.count} x {clamp.bolt.designation} 8.8 in each cam, {1e-3 * preload:.3g} kN each by {weakest}; l1 = "
+        f"{clamp.count} x {clamp.bolt.designation} 8.8 in each cam, {1e-3 * preload:.3g} kN each by {limit_text}; l1 = "
         f"{1e3 * hub.screw_arm:.3g} mm, l2 = {1e3 * hub.shaft_arm:.3g} mm; M = E I c/(2 l2^2) closes the mean "
         f"clearance c of {1e6 * clearance:.2g} um and takes {100.0 * lost_share:.2g} % of F; friction "
         f"{JOINTS.interface_friction:g} on two lines (assumed); tighten with {_clamp_tightening(reducer, clamp):.3g} "

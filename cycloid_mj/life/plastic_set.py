@@ -73,8 +73,8 @@ def damage_rate(loading: Loading, kind: str, limit: float) -> float:
     rates = []
     for part, material in zip(PARTNERS[kind], design.partners(kind), strict=True):
         if material.is_plastic:
-            shares = load_shares(loading, kind, part, contact.half_width(force, curvature))
-            damage = shares * standstill_rate
+            time_shares = load_shares(loading, kind, part, contact.half_width(force, curvature))
+            damage = time_shares * standstill_rate
             is_disc_flank = part == "gear" and kind == design.tooth_pair
             rates.append(_mean_over_passes(loading, damage) if is_disc_flank else float(damage.max()))
     return max(rates)
@@ -101,17 +101,17 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
     reducer, design = loading.reducer, loading.reducer.design
     if kind == "output":
         radius = design.output.hole_radius if part == "gear" else design.output.pin_radius
-        shares = half_width / (math.pi * radius)
+        time_shares = half_width / (math.pi * radius)
     elif kind == design.tooth_pair:
         phases = tooth_phases(reducer, loading.springs.crank)
         speeds = tooth_speeds(reducer.tooth_profile, phases, reducer.speed_against_ring)
         crank = design.drive.speed
         turning_speed = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
         passing_speed = np.abs(speeds.moving if part == "gear" else speeds.fixed)
-        shares = half_width * turning_speed / (math.pi * np.maximum(passing_speed, np.finfo(float).tiny))
+        time_shares = half_width * turning_speed / (math.pi * np.maximum(passing_speed, np.finfo(float).tiny))
     else:
-        shares = np.ones_like(half_width)
-    return np.asarray(np.minimum(shares, 1.0))
+        time_shares = np.ones_like(half_width)
+    return np.asarray(np.minimum(time_shares, 1.0))
 
 
 def _mean_over_passes(loading: Loading, damage: Array) -> float:

@@ -197,8 +197,8 @@ def rated_and_momentary_torque(
     is_stop_item = is_momentary if reducer is None else partial(is_stop, reducer)
     stop_items = [item for item in items if is_stop_item(item.key)]
     other_items = [item for item in items if item.decisive and not is_stop_item(item.key)]
-    momentary = min(((PEAK_FACTOR * torque * item.margin(life), item) for item in stop_items), key=itemgetter(0))
-    return min(weakest_torque(other_items, torque, life), momentary, key=lambda pair: pair[0]), momentary
+    momentary_limit = min(((PEAK_FACTOR * torque * item.margin(life), item) for item in stop_items), key=itemgetter(0))
+    return min(weakest_torque(other_items, torque, life), momentary_limit, key=lambda pair: pair[0]), momentary_limit
 
 
 def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dict[str, float]:

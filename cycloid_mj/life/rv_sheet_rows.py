@@ -113,7 +113,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
     `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
     """
-    design, (rated_value, weakest), (momentary_value, stop_item) = reducer.design, limits.rated, limits.momentary
+    design, (rated_value, weakest_item), (momentary_value, stop_item) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings
     condition = f"{describe_speed(reducer)} input"
     yield ratio_row(design)
@@ -122,7 +122,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
         f"Rated torque, {life:g} h",
         rated_value,
         "N m",
-        note=f"{condition}, without heat; limited by {weakest.name}",
+        note=f"{condition}, without heat; limited by {weakest_item.name}",
     )
     yield Quantity(
         "bearing_torque",

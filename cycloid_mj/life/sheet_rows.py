@@ -291,8 +291,8 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
             "that of the inner ring, as large as the radial one (THK, No. 382-3E)",
         )
     else:
-        inner, outer = (0.5 * sum(ends) for ends in covers.bearings)
-        axial_run_out = 2.0 * radial_run_out * covers.flange_radius / (outer - inner)
+        inner_z, outer_z = (0.5 * sum(ends) for ends in covers.bearings)
+        axial_run_out = 2.0 * radial_run_out * covers.flange_radius / (outer_z - inner_z)
         reason = "both bearings tilt the hub"
     bearing = f"{covers.hub.designation}, normal class (ISO 492, K_ia)"
     yield Quantity("radial_run_out", "Run-out of the output, radial", radial_run_out, "um", note=f"at most; {bearing}")

@@ -169,8 +169,8 @@ def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dic
     They are at most the permissible temperature of the drive (`heat_limits`): a hotter drive fails by heat, not by the
     life of its bearings.
     """
-    hottest = min(limit.temperature for limit in heat_limits(reducer))
-    return {part: min(value, hottest) for part, value in temperatures.items()}
+    max_temperature = min(limit.temperature for limit in heat_limits(reducer))
+    return {part: min(value, max_temperature) for part, value in temperatures.items()}
 
 
 def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:

@@ -120,15 +120,15 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
         shear_stress = factors[1] * 0.5 * stress_per_moment * worst.crank_torque
         max_stress, min_stress = bending_stress.max(axis=0), bending_stress.min(axis=0)
         amplitude = 0.5 * (max_stress - min_stress)
-        mean = np.hypot(0.5 * (max_stress + min_stress), math.sqrt(3.0) * shear_stress)
-        critical_fibre = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
+        mean_stress = np.hypot(0.5 * (max_stress + min_stress), math.sqrt(3.0) * shear_stress)
+        critical_fibre = int(np.argmax(amplitude / endurance + mean_stress / material.tensile_strength))
         fatigue = Fatigue(
-            float(amplitude[critical_fibre]), float(mean[critical_fibre]), endurance, material.tensile_strength
+            float(amplitude[critical_fibre]), float(mean_stress[critical_fibre]), endurance, material.tensile_strength
         )
         item = RatedItem(
             "shaft_fatigue",
             f"shaft, {shoulder.name}, fatigue",
-            1e-6 * float(mean[critical_fibre] + amplitude[critical_fibre]),
+            1e-6 * float(mean_stress[critical_fibre] + amplitude[critical_fibre]),
             1e-6 * endurance,
             "MPa",
             fatigue.safety,

@@ -72,10 +72,10 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
     gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
     ring = ideal_loads.ideal_load_sharing(gear, 58.0, crank)
     cam = ideal_loads.cam_force(ring, ideal_loads.ideal_output_forces(gear, 4, 34e-3, 58.0, crank), crank)
-    mean = rolling.mean_load(rolling.magnitudes(cam))
-    rows.append(relative("cam force, 10/3-power mean of a turn", mean, 2294.0, "N", source, 0.5))
+    mean_force = rolling.mean_load(rolling.magnitudes(cam))
+    rows.append(relative("cam force, 10/3-power mean of a turn", mean_force, 2294.0, "N", source, 0.5))
     for speed_name, speed, hours in (("crank's", 600.0, 126_953.0), ("relative", 600.0 * (1 + 1 / 29), 122_721.0)):
-        life = rolling.life_hours(34_500.0, 1.2 * mean, speed * RPM)
+        life = rolling.life_hours(34_500.0, 1.2 * mean_force, speed * RPM)
         rows.append(relative(f"life of the cam bearing, {speed_name} speed", life, hours, "h", source, 0.5))
     return rows
 

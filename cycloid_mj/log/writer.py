@@ -232,12 +232,12 @@ class LogWriter:
         `nanoseconds` are the times of the samples [ns], shape (k,). `messages` has an array (k, bytes of a message) for
         each group. `viewer_messages` maps times [ns] to messages for viewers, which are written before the sample.
         """
-        for row, time in enumerate(nanoseconds.tolist()):
+        for sample, time in enumerate(nanoseconds.tolist()):
             for topic, _, content in viewer_messages.get(time, ()):
                 self._add_message(self._viewer_channels[topic], time, content, self._frames[topic])
                 self._frames[topic] += 1
             for channel, block in zip(self._channels, messages, strict=True):
-                self._add_message(channel, time, block[row].tobytes(), self.samples)
+                self._add_message(channel, time, block[sample].tobytes(), self.samples)
             self.samples += 1
         if self.samples % self._samples_per_chunk == 0:
             self.flush()

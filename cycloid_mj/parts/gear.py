@@ -100,8 +100,8 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         segments = [(*rising_interval, -rotation), (*falling_interval, rotation)]
     lobe = [
         rotate_curve(curve, rotation_angle)
-        for low, high, rotation_angle in segments
-        for curve in fit_splines(backwards, low, high, splines)
+        for first_parameter, last_parameter, rotation_angle in segments
+        for curve in fit_splines(backwards, first_parameter, last_parameter, splines)
     ]
     return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 

@@ -79,8 +79,8 @@ def housing_part(reducer: Reducer) -> Part:
     hole = _socket_contour(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Segment("housing", outline, (TurnedContour(hole, offset_angle),), low, high)
-        for low, high, offset_angle in ring_spans(reducer)
+        Segment("housing", outline, (TurnedContour(hole, offset_angle),), z_start, z_end)
+        for z_start, z_end, offset_angle in ring_spans(reducer)
     ]
     return Part("housing", (*rings, *_sleeve_pins(reducer)), design.material_of("housing").density)
 

@@ -126,12 +126,12 @@ class CounterweightContour:
 
         `splines` has no effect, because arcs and edges are exact without splines.
         """
-        outer, inner = self.radius, self.journal.radius
+        outer_radius, inner_radius = self.radius, self.journal.radius
         return (
-            Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
-            LineSegment((outer, 0.0), (inner, 0.0)),
-            Arc((0.0, 0.0), inner, 0.0, math.pi),
-            LineSegment((-inner, 0.0), (-outer, 0.0)),
+            Arc((0.0, 0.0), outer_radius, math.pi, 2.0 * math.pi),
+            LineSegment((outer_radius, 0.0), (inner_radius, 0.0)),
+            Arc((0.0, 0.0), inner_radius, 0.0, math.pi),
+            LineSegment((-inner_radius, 0.0), (-outer_radius, 0.0)),
         )
 
 

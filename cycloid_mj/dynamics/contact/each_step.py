@@ -397,10 +397,10 @@ def _apply_film(run: StepState) -> None:
     for seats in (False, True):
         for contact_index in range(read_int(run.ncon)):
             contact = read_address(run.contact) + run.stride * contact_index
-            pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
-            if pair < 0 or row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
+            pair, first_row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
+            if pair < 0 or first_row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
                 continue
-            _set_film_friction(run, contact, pair, row)
+            _set_film_friction(run, contact, pair, first_row)
 
 
 @compiling.njit(inner=True)
@@ -424,12 +424,12 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
         if read_float(contact + run.pos + 16) > 0.0:  # z of the contact; that of the middle of all discs is 0
             pin += run.second_plane
         cosine = read_float(run.pin_cosine + 8 * pin)
-    previous = read_float(contact + run.friction)
+    old_friction = read_float(contact + run.friction)
     coefficient = look_up(run.film, kind, cosine, force)
-    if previous > 0.0 and coefficient > 0.0:
+    if old_friction > 0.0 and coefficient > 0.0:
         write_float(contact + run.friction, coefficient)
         write_float(contact + run.friction + 8, coefficient)
-        write_float(contact + run.mu, read_float(contact + run.mu) * coefficient / previous)
+        write_float(contact + run.mu, read_float(contact + run.mu) * coefficient / old_friction)
 
 
 @compiling.njit(inner=True)
@@ -473,10 +473,10 @@ def _update_peaks(run: StepState) -> None:
     count = read_int(run.ncon)
     for contact_index in range(count):
         contact = contacts_address + run.stride * contact_index
-        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
-        if pair >= 0 and row >= 0:
+        pair, first_row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
+        if pair >= 0 and first_row >= 0:
             address = run.sum + 8 * pair
-            write_float(address, read_float(address) + read_float(forces + 8 * row))
+            write_float(address, read_float(address) + read_float(forces + 8 * first_row))
     for contact_index in range(count):
         pair = abs(pair_of(run, contacts_address + run.stride * contact_index)) - 1
         if pair >= 0:

@@ -120,12 +120,12 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     for contact_index in range(read_int(state.ncon)):
         contact = contacts_address + state.stride * contact_index
         max_depth = max(max_depth, _compute_penetration(state, contact))
-        number, row = pair_of(state, contact), read_int(contact + state.efc_address)
-        if number == 0 or row < 0:
+        number, first_row = pair_of(state, contact), read_int(contact + state.efc_address)
+        if number == 0 or first_row < 0:
             continue
         pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
-        force_address = forces_address + 8 * row
-        speed_address = read_address(state.efc_vel) + 8 * row
+        force_address = forces_address + 8 * first_row
+        speed_address = read_address(state.efc_vel) + 8 * first_row
         force_x = read_float(force_address) * read_float(contact + state.frame)
         force_y = read_float(force_address) * read_float(contact + state.frame + 8)
         pair_columns = pair_table + 8 * sample_layout.OF_PAIR * pair

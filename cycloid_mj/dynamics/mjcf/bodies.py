@@ -110,8 +110,8 @@ def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
-        low, high = axial_layout(reducer).planets
-        return 0.5 * (low + high), 0.5 * (high - low)
+        z_start, z_end = axial_layout(reducer).planets
+        return 0.5 * (z_start + z_end), 0.5 * (z_end - z_start)
     if surfaces.disc is None:
         return 0.0, 0.5 * gear.stack_width
     return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width

@@ -151,7 +151,8 @@ def xml(spec: Any) -> str:
 def empty_spec(reducer: Reducer, impratio: float) -> Any:
     """Return an editable model that has only a light, a camera, and the options that all models of a design share.
 
-    `impratio` is MuJoCo's ratio of frictional to normal impedance [1], see `law.impratio`.
+    The options are time step, gravity, integrator, constraint solver, elliptic friction cones and flags. `impratio` is
+    MuJoCo's ratio of frictional to normal impedance [1], see `law.impratio`.
     """
     design = reducer.design
     spec = mujoco.MjSpec()

@@ -255,12 +255,12 @@ def resultant_share(dx: float, dy: float, clearance: float, cage: float, needles
     the angle `cage` [rad] from +y. The friction of a bearing acts on the resultant, which reduces the coefficient of
     each needle by this share.
     """
-    spacing, total, resultant_x, resultant_y = 2.0 * math.pi / needles, 0.0, 0.0, 0.0
+    spacing, force_sum, resultant_x, resultant_y = 2.0 * math.pi / needles, 0.0, 0.0, 0.0
     for needle in range(needles):
         nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
         depth = max(dx * nx + dy * ny - clearance, 0.0)
-        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
-    return math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+        force_sum, resultant_x, resultant_y = force_sum + depth, resultant_x + depth * nx, resultant_y + depth * ny
+    return math.sqrt(resultant_x**2 + resultant_y**2) / force_sum if force_sum > 0.0 else 1.0
 
 
 @njit

@@ -173,7 +173,7 @@ def _compile_steps() -> Any:
         `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear; `train` is
         None without cranks. Forces accelerate pins in `pin_span` [s]: half of a `timestep`, or all of it.
         """
-        size, half = len(equations.rhs), 0.5 * timestep
+        size, half_step = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         row, max_iterations, unconverged = 0, 0, 0
@@ -181,15 +181,15 @@ def _compile_steps() -> Any:
             _extrapolate_speeds(motion, size, predicted)
             count, iterations = 0, 0
             for search in range(CONTACT_SEARCH.max_searches):
-                _integrate(motion.q, half, predicted, q)
-                count = find_contacts(system, lobes, q, predicted, half, scratch, contacts)
+                _integrate(motion.q, half_step, predicted, q)
+                count = find_contacts(system, lobes, q, predicted, half_step, scratch, contacts)
                 if train is not None:
-                    count = find_crank_contacts(system, train, contacts, count, q, predicted, half)
+                    count = find_crank_contacts(system, train, contacts, count, q, predicted, half_step)
                 q0, v0, command = motion.q, motion.v, commands[step]
                 iterations = solve_step(
                     system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, midpoint
                 )
-                if not _is_far_from_search(system, half, predicted, midpoint, size):
+                if not _is_far_from_search(system, half_step, predicted, midpoint, size):
                     break
                 _relax(predicted, midpoint, 1.0 if search < CONTACT_SEARCH.unrelaxed_searches else 0.5)
             else:
@@ -199,7 +199,7 @@ def _compile_steps() -> Any:
             next_sample -= 1
             if next_sample == 0:
                 next_sample = stride
-                _integrate(motion.q, half, midpoint, q)
+                _integrate(motion.q, half_step, midpoint, q)
                 _write_sample(
                     system, contacts, count, motion, q, midpoint, commands[step], max_iterations, unconverged, rows[row]
                 )

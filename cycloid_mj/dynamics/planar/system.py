@@ -201,7 +201,7 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
     mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
     teeth = [teeth_of_disc(reducer, disc) for disc in discs]
     ring = mesh[0].by
-    seats, inner, outer, arc = _seat_geometry(reducer, ring)
+    seats, inner_radii, outer_radii, arc = _seat_geometry(reducer, ring)
     unknown_of_body = {mechanism.turning: output_unknown}
     pin = moving_masses(reducer)[names.PIN] if design.ring.has_pin_bodies else None
     return {
@@ -217,8 +217,8 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
         "sleeved": design.ring.has_pin_bodies and design.ring.has_sleeves,
         "ring_shaft": unknown_of_body.get(names.HOUSING, -1),
         "stud_shaft": unknown_of_body.get(names.OUTPUT, -1),
-        "inner": inner,
-        "outer": outer,
+        "inner": inner_radii,
+        "outer": outer_radii,
         "arc": arc,
         "laws": _contact_laws(reducer),
         "pin_mass": pin_mass_matrix(reducer) if pin else np.zeros((0, 0)),
@@ -265,9 +265,9 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
     if not design.ring.has_pin_bodies:
         return ring, np.zeros(0), np.zeros(0), np.array([-1.0, 0.0])
     seats = reducer.mechanism.mating(design.seat_pair)
-    inner, outer = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
-    sine = np.sin(outer.half_angle) if outer.half_angle < np.pi else 0.0
-    return seats.by, inner.radius, outer.radius, np.array([np.cos(outer.half_angle), sine])
+    inner_circles, outer_circles = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
+    sine = np.sin(outer_circles.half_angle) if outer_circles.half_angle < np.pi else 0.0
+    return seats.by, inner_circles.radius, outer_circles.radius, np.array([np.cos(outer_circles.half_angle), sine])
 
 
 def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:

@@ -37,9 +37,9 @@ def require_convex_slices(surface: ConvexSurface, settings: CoacdSettings) -> No
     `settings` are the parameters of CoACD.
     """
     for number in range(len(surface.slices)):
-        parts = len(coacd_pieces(mesh(prism(surface, number)), settings))
-        if parts != 1:
+        pieces = len(coacd_pieces(mesh(prism(surface, number)), settings))
+        if pieces != 1:
             raise DesignError(
-                f"slice {number + 1} of the {surface.name} is not convex (CoACD splits it into {parts} parts): reduce "
+                f"slice {number + 1} of the {surface.name} is not convex (CoACD splits it into {pieces} parts): reduce "
                 "ConvexSettings.depth"
             )

@@ -122,9 +122,9 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
             f"reaches outwards to {1e3 * mid_radius:.4g} mm. Increase ring.teeth, or reduce "
             "output.pin_circle_radius_mm or output.hole_radius_mm"
         )
-    outer = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
+    outer_outline = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
     inner_arc = _arc(mid_radius, -pitch, pitch, error)
-    band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half_width, half_width)
+    band = Prism(np.concatenate([outer_outline, inner_arc[::-1]])[::-1], (), -half_width, half_width)
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 

@@ -213,8 +213,8 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     tip_corner = math.hypot(abs(outward_distance) + 0.5 * bolt.thread, length - head_face + wall)
     if head_corner > radius - wall or tip_corner > radius - wall:
         return None
-    arm, modulus = shaft + 0.5 * hinge, design.material_of(names.SHAFT).youngs_modulus
-    hub = SlottedHub(2.0 * shaft, distance + arm, arm, hinge, gear.face_width, modulus)
+    lever_arm, modulus = shaft + 0.5 * hinge, design.material_of(names.SHAFT).youngs_modulus
+    hub = SlottedHub(2.0 * shaft, distance + lever_arm, lever_arm, hinge, gear.face_width, modulus)
     return CamClamp(bolt, length, count, distance, head_face, hub)
 
 

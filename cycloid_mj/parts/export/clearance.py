@@ -135,16 +135,16 @@ def _checked_clearance(reducer: Reducer, pair_kind: str, clearances: Array) -> O
     `pair_kind` is the kind of pair, such as "pin_gear", `clearances` (n,) [m] are measured at n points. DesignError is
     raised if a value differs from the clearance of the design by more than `TOLERANCE`.
     """
-    result = OutlineClearance(
+    measured = OutlineClearance(
         pair_kind, getattr(reducer.design.clearance, pair_kind), float(clearances.min()), float(clearances.max())
     )
-    if max(result.asked - result.least, result.most - result.asked) > TOLERANCE:
+    if max(measured.asked - measured.least, measured.most - measured.asked) > TOLERANCE:
         raise DesignError(
-            f"the clearance {pair_kind} of the exported outline is {1e6 * result.least:.4g} to "
-            f"{1e6 * result.most:.4g} um instead of {1e6 * result.asked:.4g} um, so the file is "
+            f"the clearance {pair_kind} of the exported outline is {1e6 * measured.least:.4g} to "
+            f"{1e6 * measured.most:.4g} um instead of {1e6 * measured.asked:.4g} um, so the file is "
             "not written: please report this design"
         )
-    return result
+    return measured
 
 
 def _merge_discs(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[OutlineClearance, ...]:

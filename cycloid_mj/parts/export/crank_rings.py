@@ -55,11 +55,11 @@ def bearing_spacers(reducer: Reducer, casing: Casing) -> tuple[CrankRing, ...]:
     far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
     if casing.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
-    outer, inner = names.all_numbered(names.BEARING_SPACER, 2)
+    outer_name, inner_name = names.all_numbered(names.BEARING_SPACER, 2)
     ends, shaft = (far_seat[1], near_seat[0]), reducer.design.shaft.radius
     return (
-        CrankRing(outer, casing.seat, *ends, shoulder_radius(casing.seat, shaft), names.HOUSING),
-        CrankRing(inner, shoulder_radius(shaft, casing.seat), *ends, shaft),
+        CrankRing(outer_name, casing.seat, *ends, shoulder_radius(casing.seat, shaft), names.HOUSING),
+        CrankRing(inner_name, shoulder_radius(shaft, casing.seat), *ends, shaft),
     )
 
 

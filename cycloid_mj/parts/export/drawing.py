@@ -174,7 +174,7 @@ def lay_out_drawing(
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
-    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
+    section = tuple((prism.z0, prism.z1, y_start, y_end) for prism in prisms for y_start, y_end in cut_prism(prism))
     faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
     lengths = tuple(Dimension(in_mm(face - faces[0]), faces[0], face) for face in faces[1:])
     return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
@@ -271,7 +271,7 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
     """
     for joint in joints:
         threads = [item.thread for item in joint.threads if item.part == name]
-        for centres, radius, low, high in joint.holes_in(name):
+        for centres, radius, z_start, z_end in joint.holes_in(name):
             radii = np.hypot(*centres.T)
             if radii.max() <= SAME_LENGTH:
                 continue
@@ -281,7 +281,7 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
             position_text = (
                 f"on ⌀{in_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
             )
-            size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{zone}, {in_mm(high - low)} deep"
+            size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{zone}, {in_mm(z_end - z_start)} deep"
             yield f"{size}, {thread}{position_text} ({joint.name})"
 
 

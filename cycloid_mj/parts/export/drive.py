@@ -77,8 +77,8 @@ def drive_length(reducer: Reducer) -> float:
     DesignError
         A part does not fit.
     """
-    low, high = casing(reducer).ends
-    return high - low
+    z_start, z_end = casing(reducer).ends
+    return z_end - z_start
 
 
 def drive_diameter(reducer: Reducer) -> float:

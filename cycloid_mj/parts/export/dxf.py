@@ -93,11 +93,11 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
         name, loop = key[0], loops[key]
         thread = next((item.words for item in threads if _is_drilled(loop, item)), "")
         full_spans = _join_intervals(list(heights[name]))
-        for low, high in _join_intervals(ends):
+        for z_start, z_end in _join_intervals(ends):
             prefix = thread or (name if has_segment_names else "")
-            height_text = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
+            height_text = f"z {MILLIMETRES * z_start:.1f} to {MILLIMETRES * z_end:.1f}"
             has_full_span = not thread and (
-                len(heights[name]) == 1 or (has_segment_names and (low, high) in full_spans)
+                len(heights[name]) == 1 or (has_segment_names and (z_start, z_end) in full_spans)
             )
             layers.setdefault(name if has_full_span else f"{prefix} {height_text}".strip(), []).append(loop)
     return list(layers.items())

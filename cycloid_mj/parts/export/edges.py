@@ -85,9 +85,10 @@ def _seat_radii(reducer: Reducer, casing: Casing, part: Part) -> Array:
 
 
 def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenEdge]:
-    """Yield a chamfer for each convex edge of a seat, and a fillet for each shoulder of a shaft, if there is room.
+    """Yield a chamfer for each convex edge of a seat, and a fillet for each shoulder of a shaft, if they fit.
 
-    `radii` (n,) [m] are the radii of the n seats of the `part`.
+    Chamfers are `EDGES.chamfer` wide, but at most a share of the radius; fillets have the radius of the design. `radii`
+    (n,) [m] are the radii of the n seats of the `part`.
     """
     for segment in part.segments:
         for contour, side in ((segment.outline, 1.0), *((hole, -1.0) for hole in segment.holes)):

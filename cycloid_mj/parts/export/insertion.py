@@ -115,10 +115,10 @@ def _flex_ring(reducer: Reducer, casing: Casing, part: str, sections: "Sections"
     """
     if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
-        return tuple((low, high, section - shaft) for low, high, section in sections)
+        return tuple((z0, z1, section - shaft) for z0, z1, section in sections)
     if part == names.BORE_RING:
         bore = manifold3d.CrossSection.circle(1e6 * casing.seat, FLEX_SEGMENTS)
-        return tuple((low, high, section ^ bore) for low, high, section in sections)
+        return tuple((z0, z1, section ^ bore) for z0, z1, section in sections)
     return sections
 
 
@@ -199,11 +199,11 @@ def _list_output_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> It
     yield Move(_names_of_family(placements, names.FLANGE_INSERT), "hub", DOWN)
     yield Move(_names_of_family(placements, names.OUTPUT_PIN), "hub", UP)
     yield Move((names.OUTPUT_COVER,), DRIVE)
-    *inner, outer = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
+    *inner_bearings, outer_bearing = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
     yield Move(_names_of_family(placements, names.RETAINER_INSERT), DRIVE, DOWN)
     if not casing.motor_bearing:
-        yield Move(tuple(inner), DRIVE, UP)
-    yield Move((outer,), DRIVE, UP if casing.has_outer_lip else DOWN)
+        yield Move(tuple(inner_bearings), DRIVE, UP)
+    yield Move((outer_bearing,), DRIVE, UP if casing.has_outer_lip else DOWN)
     for family in (names.RETAINER, names.RETAINER_SCREW):
         yield Move(_names_of_family(placements, family), DRIVE, DOWN)
     if casing.far:

@@ -156,14 +156,14 @@ def _seat_holes(casing: Casing, start: float) -> Iterator[Hole]:
 
 def _crank_end_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     """Yield the joints of parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
-    parts, (start, end) = casing.crank_end, casing.near
-    if ring := parts.shaft_ring:
+    crank_end, (start, end) = casing.crank_end, casing.near
+    if ring := crank_end.shaft_ring:
         solid = _retaining_ring(names.SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
         yield _retaining_ring_joint("retaining ring on the crank", names.SHAFT, ring, solid)
-    if ring := parts.bore_ring:
+    if ring := crank_end.bore_ring:
         solid = _retaining_ring(names.BORE_RING, ring, names.HOUSING, end + 0.5 * ring.thickness)
         yield _retaining_ring_joint("retaining ring in the motor cover", names.MOTOR_COVER, ring, solid)
-    if seal := parts.seal:
+    if seal := crank_end.seal:
         fit = f"{cup_fit(reducer, names.HOUSING)} outside, lip on the hardened and ground crank (Ra 0.2 to 0.8 um)"
         seal_part = BoughtPart(
             names.SHAFT_SEAL,
@@ -248,16 +248,16 @@ def _output_bearing_joint(casing: Casing) -> Joint:
     The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover. If
     both are back to back, the shoulder is next to the ring.
     """
-    hub, seat, (*inner, (outer, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
+    hub, seat, (*inner_seats, (outer_start, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
     shoulder = hub.shoulders[1]
     holes: tuple[Hole, ...] = ((AXIS, seat, casing.hub_floor, top), (AXIS, shoulder, top, casing.output_cover_end))
     if not casing.has_outer_lip:
-        others = () if casing.motor_bearing else inner
+        others = () if casing.motor_bearing else inner_seats
         shoulder_start = others[0][1] if others else casing.hub_floor
         holes = (
             *((AXIS, seat, *ends) for ends in others),
-            (AXIS, shoulder, shoulder_start, outer),
-            (AXIS, seat, outer, top),
+            (AXIS, shoulder, shoulder_start, outer_start),
+            (AXIS, seat, outer_start, top),
         )
     bearings = _output_bearings(casing, casing.bearings[-1:] if casing.motor_bearing else casing.bearings)
     parts = (names.OUTPUT, names.OUTPUT_COVER)

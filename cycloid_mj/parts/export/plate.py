@@ -289,19 +289,19 @@ def _upper_end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[flo
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
     """Return the part `solid` as it lies on the print bed, on its larger end face, and whether it is turned over."""
-    low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
-    bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
-    top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
+    bottom, top = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
+    bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == bottom)
+    top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == top)
     is_turned_over = top_area > bottom_area
     prisms = tuple(
         Prism(
             _mirror_polygon(prism.outline),
             tuple(_mirror_polygon(hole) for hole in prism.holes),
-            high - prism.z1,
-            high - prism.z0,
+            top - prism.z1,
+            top - prism.z0,
         )
         if is_turned_over
-        else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
+        else Prism(prism.outline, prism.holes, prism.z0 - bottom, prism.z1 - bottom)
         for prism in solid.prisms
     )
     return Solid(solid.name, prisms, solid.density), is_turned_over

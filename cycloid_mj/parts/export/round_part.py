@@ -88,18 +88,18 @@ def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ())
     segments: list[Segment] = []
     for shell in shells:
         inner_faces = [z for z in faces if shell.z0 + SAME_LENGTH < z < shell.z1 - SAME_LENGTH]
-        for low, high in pairwise([shell.z0, *inner_faces, shell.z1]):
-            if high - low < SAME_LENGTH:
+        for z_start, z_end in pairwise([shell.z0, *inner_faces, shell.z1]):
+            if z_end - z_start < SAME_LENGTH:
                 continue
             through_holes = [
                 hole
                 for centres, radius, start, end in part.holes
-                if start < 0.5 * (low + high) < end
+                if start < 0.5 * (z_start + z_end) < end
                 for hole in circles_at(radius, centres)
             ]
-            piece = Segment(shell.name, shell.outline, (*shell.holes, *through_holes), low, high)
+            piece = Segment(shell.name, shell.outline, (*shell.holes, *through_holes), z_start, z_end)
             pocket = next(
-                (candidate for candidate in part.pockets if candidate[2] < 0.5 * (low + high) < candidate[3]), None
+                (candidate for candidate in part.pockets if candidate[2] < 0.5 * (z_start + z_end) < candidate[3]), None
             )
             segments += _split_pocket(piece, pocket) if pocket else [piece]
     return tuple(segments)
@@ -107,12 +107,12 @@ def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ())
 
 def _split_pocket(segment: Segment, pocket: Pocket) -> Iterator[Segment]:
     """Yield the segments that remain after an annular pocket is cut: the wall outside and the boss inside of it."""
-    outer, inner, *_ = pocket
+    outer_radius, inner_radius, *_ = pocket
     circles = [hole for contour in segment.holes if (hole := circle_of(contour))]
-    wall_holes = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]
-    boss_holes = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner]
-    yield replace(segment, holes=(*_contours(wall_holes), CircleContour(outer)))
-    yield replace(segment, outline=CircleContour(inner), holes=_contours(boss_holes))
+    wall_holes = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer_radius]
+    boss_holes = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner_radius]
+    yield replace(segment, holes=(*_contours(wall_holes), CircleContour(outer_radius)))
+    yield replace(segment, outline=CircleContour(inner_radius), holes=_contours(boss_holes))
 
 
 def _contours(circles: Iterable[Circle]) -> tuple[CircleContour, ...]:

@@ -188,14 +188,14 @@ def _split_bearing(reducer: Reducer, casing: Casing, bearing: Annulus) -> Iterat
     if is_on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield Annulus(bearing.part, outer_body, bearing.inner, bearing.outer, *ends)
         return
-    inner, outer = (
+    inner_radius, outer_radius = (
         (shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner))
         if is_on_shaft
         else casing.hub.shoulders
     )
-    yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
-    yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
-    yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)
+    yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner_radius, *ends)
+    yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner_radius, outer_radius, *ends)
+    yield Annulus(bearing.part, outer_body, outer_radius, bearing.outer, *ends)
 
 
 def _motor_annuli(casing: Casing) -> Iterator[Annulus]:

@@ -79,27 +79,27 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     Mesh or None
         None if the face is not round, is too narrow or low, or has faces at several heights below it.
     """
-    outer = _circle_of(overhang.outline)
-    if not outer:
+    outer_circle = _circle_of(overhang.outline)
+    if not outer_circle:
         return None
-    (centre, radius), inner = outer, _largest_hole(overhang.holes)
-    width = radius - (inner[1] if inner else 0.0)
+    (centre, radius), inner_circle = outer_circle, _largest_hole(overhang.holes)
+    width = radius - (inner_circle[1] if inner_circle else 0.0)
     gap = min(SUPPORTS.gap_aside, 0.25 * width)
     outline = circle(radius - gap, chord_error, centre)
     holes: tuple[Array, ...] = ()
-    if inner:
-        (x, y), bore = inner
+    if inner_circle:
+        (x, y), bore = inner_circle
         if np.hypot(x - centre[0], y - centre[1]) + bore + 3.0 * gap > radius:
             return None
-        holes = (circle(bore + gap, chord_error, inner[0]),)
+        holes = (circle(bore + gap, chord_error, inner_circle[0]),)
     floors = _floor_heights(solid, np.concatenate([outline, *holes]), overhang.z)
     if len(floors) > 1:
         return None
     floor = floors.pop()
-    low = floor + SUPPORTS.gap_below if floor else 0.0
+    support_base = floor + SUPPORTS.gap_below if floor else 0.0
     return (
-        mesh(Prism(outline, holes, low, overhang.z - SUPPORTS.gap_below))
-        if low < overhang.z - SUPPORTS.gap_below
+        mesh(Prism(outline, holes, support_base, overhang.z - SUPPORTS.gap_below))
+        if support_base < overhang.z - SUPPORTS.gap_below
         else None
     )
 
