@@ -164,10 +164,10 @@ def warms_up(design: Design) -> bool:
 
 
 def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dict[str, float]:
-    """Return the temperatures of the parts [°C] for the viscosity of the oil in bearings.
+    """Return the temperatures of the parts [°C] at which the viscosity of the oil in bearings is computed, by part.
 
-    They are at most the permissible temperature of the drive (`heat_limits`): a hotter drive fails by heat, not by the
-    life of its bearings.
+    They are the given `temperatures`, but at most the permissible temperature of the drive (`heat_limits`): a hotter
+    drive fails by heat, not by the life of its bearings.
     """
     max_temperature = min(limit.temperature for limit in heat_limits(reducer))
     return {part: min(value, max_temperature) for part, value in temperatures.items()}

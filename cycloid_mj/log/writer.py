@@ -154,7 +154,7 @@ class LogWriter:
             first_row = end_row
 
     def flush(self) -> None:
-        """Write all samples to the file of the log, so that it can be read up to the last sample."""
+        """Write all samples to the file of the log, so that it can be read to the end; raise LogError on failure."""
         if not self._is_open:
             return
         try:

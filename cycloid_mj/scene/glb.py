@@ -41,9 +41,10 @@ class _File:
         }
 
     def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
-        """Add the mesh of a piece to a glTF file: n points and normals (n, 3), and m faces (m, 3).
+        """Add the mesh of a `piece`, with its name and colour, to a glTF file.
 
-        Points and normals become 32-bit floats, faces 32-bit integers.
+        `points` [m] and `normals` have the shape (n, 3), as 32-bit floats; `faces` (m, 3), 32-bit integers, are the
+        indices of the corners of m triangles.
         """
         attributes = {"POSITION": self._append_array(points, "VEC3"), "NORMAL": self._append_array(normals, "VEC3")}
         indices = self._append_array(faces.ravel(), "SCALAR")

@@ -169,7 +169,7 @@ def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[s
 
 
 def _find_pointers(model: Any) -> dict[str, int]:
-    """Return the byte offsets of the five pointers of `Layout`, by name, in one model.
+    """Return the byte offsets of the five pointers of `Layout`, by name, in one model; raise ContactError without them.
 
     If the address of an array occurs several times, the last occurrence is taken: empty arrays before it may have the
     same address.

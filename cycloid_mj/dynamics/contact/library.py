@@ -98,7 +98,7 @@ def function_address(name: str) -> int:
 def exact_xml() -> Iterator[None]:
     """Make MuJoCo write MJCF with all digits of a double inside this ``with`` block.
 
-    The default is six digits, coarser than 1 um.
+    The default is six digits, coarser than 1 um. Raises ContactError if this release of MuJoCo cannot change it.
     """
     setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)

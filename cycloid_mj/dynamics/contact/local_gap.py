@@ -137,7 +137,8 @@ def pin_distance(
     """Compute the distance of a point (x, y) [m] from the flanks of a disc, from a start near the foot point.
 
     A full search, `flank_distance`, replaces `local_distance` if the flanks are rotated or have waves, or if there is
-    no start. A distance that exceeds `max_distance` [m] may be returned as any larger value.
+    no start (its `sin_t` and `cos_t` are 0). A distance that exceeds `max_distance` [m] may be returned as any larger
+    value.
 
     Returns
     -------

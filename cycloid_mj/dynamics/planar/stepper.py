@@ -335,7 +335,7 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
-    `system` is the reducer as arrays. `q` and `v` are all coordinates and their speeds, shape (unknowns,),, `command`
+    `system` is the reducer as arrays. `q` and `v` are all coordinates and their speeds, shape (unknowns,), `command`
     (2,) the commands of output and input. The columns of a floating sun's position and velocity come after those of its
     rotation, which is the input. Angles of cranks are relative to the carrier, positions of pins to the seats in the
     ring. The position of a tilting pin is that of its middle.
@@ -414,7 +414,7 @@ def _write_shaft(
     """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft to a `row`; return the next column.
 
     They are written from `column` on. `system` is the reducer as arrays. `q` and `v` are all coordinates and their
-    speeds, shape (unknowns,),, `command` (2,) the commands of output and input. `shaft` is the index of the shaft in
+    speeds, shape (unknowns,), `command` (2,) the commands of output and input. `shaft` is the index of the shaft in
     `command`, `unknown` that of its rotation in `q` and `v`.
     """
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]

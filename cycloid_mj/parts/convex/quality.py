@@ -68,11 +68,11 @@ def hull_body(vertices: Array) -> ConvexRegion:
     scale = np.ptp(vertices, axis=0)
     planes = ConvexHull((vertices - vertices[0]) / scale).equations
     normals = planes[:, :3] / scale
-    size = np.linalg.norm(normals, axis=1)
-    normals /= size[:, np.newaxis]
+    normal_length = np.linalg.norm(normals, axis=1)
+    normals /= normal_length[:, np.newaxis]
     centre = vertices.mean(axis=0)
     radius = float(np.linalg.norm(vertices - centre, axis=1).max())
-    return ConvexRegion(normals, normals @ vertices[0] - planes[:, 3] / size, centre, radius)
+    return ConvexRegion(normals, normals @ vertices[0] - planes[:, 3] / normal_length, centre, radius)
 
 
 def union_heights(

@@ -420,11 +420,14 @@ def _roller_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLine]
     output, gear = reducer.design.output, reducer.design.gear
     if not output.rollers:
         return
-    cup, material = roller_bearing(reducer) if casing else None, reducer.design.material_of(names.OUTPUT)
-    count, bore = output.pins * gear.discs, 0.5 * cup[0].outside if cup else output.root_radius
+    bearing_and_count, material = roller_bearing(reducer) if casing else None, reducer.design.material_of(names.OUTPUT)
+    count, bore = (
+        output.pins * gear.discs,
+        0.5 * bearing_and_count[0].outside if bearing_and_count else output.root_radius,
+    )
     diameters = ("outside diameter", output.pin_radius), ("bore", bore)
     line = _round_line(names.ROLLER, count, diameters, gear.face_width, material)
-    fit = f"{cup_fit(reducer, names.OUTPUT)} around its {names.ROLLER_BEARING}" if cup else ROLLER_FIT
+    fit = f"{cup_fit(reducer, names.OUTPUT)} around its {names.ROLLER_BEARING}" if bearing_and_count else ROLLER_FIT
     if not output.has_roller_parts:
         yield replace(line, material="", fit=fit)
     elif tube := roller_tube(reducer) if casing else None:
@@ -432,8 +435,8 @@ def _roller_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLine]
         yield replace(line, made_or_bought="made", material="steel E235+C", designation=tube.designation, fit=fit)
     else:
         yield replace(line, made_or_bought="made", fit=fit)
-    if cup:
-        bearing, bearings_per_roller = cup
+    if bearing_and_count:
+        bearing, bearings_per_roller = bearing_and_count
         fit = f"{cup_fit(reducer, names.OUTPUT)} outside, the pin under the needles"
         yield _stock_bearing_line(names.ROLLER_BEARING, count * bearings_per_roller, bearing, fit)
 
