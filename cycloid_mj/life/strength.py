@@ -229,7 +229,7 @@ def _endurance_limit(reducer: Reducer, tensile: float, thickness: float) -> floa
 
 
 def _limit_source(reducer: Reducer, part: str) -> str:
-    """Return a phrase with the source of the endurance limit of a part: the design file, the library or an estimate."""
+    """Return a phrase on the source of a part's endurance limit: the design file, or an estimate from strength."""
     design = reducer.design
     service, material = design.service, design.material_of(part)
     if service.endurance_limit:

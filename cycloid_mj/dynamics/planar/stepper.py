@@ -426,16 +426,11 @@ def _write_shaft(
 
 @njit
 def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
-    """Compute the energies of all bodies.
+    """Compute the potential and the kinetic energy of all bodies [J].
 
-    `q` and `v` (unknowns,) are positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns, in the order that the
-    module ``system`` describes. The first `size` unknowns are those of discs, sun, output and cranks; the others are
-    those of moving pins.
-
-    Returns
-    -------
-    tuple of float
-        Potential and kinetic energy [J].
+    `q` and `v` (unknowns,) are the coordinates of all bodies [m], [rad] and their speeds [m/s], [rad/s], in the order
+    that the module ``system`` describes. The first `size` unknowns are those of discs, sun, output and cranks; the
+    others are those of moving pins.
     """
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0

@@ -46,7 +46,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
-    """Compute k evenly spaced points on the walls of a prism, `region`, and the normals there.
+    """Compute k points on the walls of a prism, `region`, at most `METHOD.spacing` apart, and the normals there.
 
     The walls are those of outline and holes.
 
@@ -58,10 +58,10 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
     points, normals = [], []
     for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
         edges = np.roll(ring, -1, axis=0) - ring
-        for corner, edge, size in zip(ring, edges, np.linalg.norm(edges, axis=1), strict=True):
-            count = math.ceil(size / METHOD.spacing)
+        for corner, edge, edge_length in zip(ring, edges, np.linalg.norm(edges, axis=1), strict=True):
+            count = math.ceil(edge_length / METHOD.spacing)
             points.append(corner + (np.arange(count)[:, np.newaxis] + 0.5) / count * edge)
-            normals.append(np.tile([edge[1] / size, -edge[0] / size], (count, 1)))
+            normals.append(np.tile([edge[1] / edge_length, -edge[0] / edge_length], (count, 1)))
     return np.concatenate(points), np.concatenate(normals)
 
 

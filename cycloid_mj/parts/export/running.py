@@ -130,7 +130,7 @@ def swept_annuli(reducer: Reducer, casing: Casing) -> tuple[Annulus, ...]:
 def _part_annuli(reducer: Reducer, casing: Casing) -> Iterator[Annulus]:
     """Yield the ring-shaped space (annulus) that each segment of each part of a drive sweeps as it turns.
 
-    A rolling bearing has an annulus for its inner ring and one for its outer ring.
+    A rolling bearing has an annulus each for its inner ring, rolling elements and outer ring.
     """
     parts = assembly_parts(reducer, casing)
     for placement in place_parts(reducer, 0.0, casing):
