@@ -139,11 +139,12 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     reducer = reducer_at_reference(reducer)
     casing, reason = casing_or_none(reducer, options.motor)
     rows = bill_rows(reducer, casing)
+    needs = consumables(reducer, casing, tightening_torques(reducer)) if casing else ()
     description = {
         "reason": reason,
         "bill": rows,
         "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
-        "consumables": [describe_consumable(line) for line in consumables(reducer, casing)] if casing else [],
+        "consumables": list(map(describe_consumable, needs)),
         "order": list(assembly_order(reducer, casing)) if casing else [],
         "printed": is_plastic(reducer),
     }

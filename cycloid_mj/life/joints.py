@@ -20,7 +20,7 @@ from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
-from cycloid_mj.parts.export.bearings import output_pin_fit, sleeve_pin_depth, sleeve_pin_fit
+from cycloid_mj.parts.export.bearings import adhesive_of, output_pin_fit, sleeve_pin_depth, sleeve_pin_fit
 from cycloid_mj.parts.export.cam_clamp import CamClamp, cam_clamp
 from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing, casing
@@ -39,6 +39,7 @@ from cycloid_mj.parts.joint_strength import JOINTS
 from cycloid_mj.reducer import Reducer
 
 GLUE_SOURCE = "pi d l tau r, tau 25 N/mm2 at 23 °C (ISO 10123); half of it at about 120 °C"
+PLASTIC_GLUE_SOURCE = "pi d l tau r, tau 3 N/mm2 at 23 °C (two-part epoxy on plastics)"
 
 _ZONES = re.compile(r"([A-Z]+\d+)|([a-z]+\d+)")
 
@@ -146,8 +147,11 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torques [N m] of the screws of a drive, by their name in the bill of materials."""
     clamp = cam_clamp(reducer)
-    clamp_torques = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
-    return clamp_torques | {
+    torques = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
+    for screwed_joint in screwed_joints(reducer):
+        if MOTOR in screwed_joint.joint.parts:
+            torques[names.MOTOR_SCREW] = screwed_joint.tightening_torque
+    return torques | {
         part.item: screwed_joint.tightening_torque
         for screwed_joint in screwed_joints(reducer)
         for part in screwed_joint.joint.bought
@@ -450,7 +454,11 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     if motor_bore:
         radius, bore_start, bore_end = motor_bore
         yield _rate_glued_shaft(
-            "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, bore_end - bore_start
+            reducer,
+            ("joint_motor_shaft", "motor shaft in the crank, glued"),
+            torques.crank,
+            2.0 * radius,
+            bore_end - bore_start,
         )
     for joint in drive_joints(reducer, drive_casing):
         if joint.kind is JointKind.KEYED:
@@ -462,14 +470,19 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         elif joint.kind is JointKind.CLAMPED:
             yield _rate_clamped_cams(reducer, joint, torques.crank)
         elif joint.kind is JointKind.GLUED and names.SHAFT in joint.parts:
-            yield _rate_glued_shaft("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
+            key_and_name = "joint_cams", f"{joint.name}, glued"
+            yield _rate_glued_shaft(reducer, key_and_name, torques.crank, joint.diameter, joint.length)
 
 
-def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
-    """Return the item of a glued cylindrical joint of a diameter and length [m] under a torque [N m]."""
-    slip_torque = 0.5 * diameter * strength.glued_force(diameter, length)
-    note = f"assumed: retaining compound on {1e3 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
-    return torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
+def _rate_glued_shaft(
+    reducer: Reducer, key_and_name: tuple[str, str], torque: float, diameter: float, length: float
+) -> RatedItem:
+    """Return the item of a glued cylindrical joint of the crank, of a diameter and length [m], under a torque [N m]."""
+    on_plastic = _material(reducer, names.SHAFT).is_plastic
+    slip_torque = 0.5 * diameter * strength.glued_force(diameter, length, on_plastic)
+    size = f"{1e3 * diameter:.4g} x {1e3 * length:.4g} mm"
+    note = f"assumed: {adhesive_of(on_plastic)} on {size}; no key or clamp is drawn"
+    return torque_item(*key_and_name, torque, slip_torque, PLASTIC_GLUE_SOURCE if on_plastic else GLUE_SOURCE, note)
 
 
 def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
@@ -686,15 +699,17 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
         )
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
-    half_pin_torque = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
+    on_plastic = _material(reducer, names.HOUSING).is_plastic
+    half_pin_torque = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length, on_plastic) * ring.pin_radius
     yield torque_item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
         friction_torque,
         half_pin_torque,
-        f"half of {GLUE_SOURCE}",
-        f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: retaining compound on half "
-        f"of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * length:.4g} mm, as a press fit needs a closed bore",
+        f"half of {PLASTIC_GLUE_SOURCE if on_plastic else GLUE_SOURCE}",
+        f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: {adhesive_of(on_plastic)} "
+        f"on half of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * length:.4g} mm, as a press fit needs a closed "
+        "bore",
     )
 
 

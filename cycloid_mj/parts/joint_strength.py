@@ -25,6 +25,9 @@ class JointStrengthSettings:
     """Shear strength of hardened dowels [Pa], 130 000 psi (ASME B18.8.2)."""
     glue_strength: float = 25e6
     """Shear strength of an anaerobic retaining compound on steel at 23 °C [Pa] (ISO 10123)."""
+    plastic_glue_strength: float = 3e6
+    """Shear strength of two-part epoxy on plastics at 23 °C [Pa] (lowest of 3 to 12 MPa, kraska.biz, bonding of small
+    plastic parts); anaerobic compounds need ions of a metal to cure, and can crack thermoplastics."""
     metal_shear: float = 0.6
     plastic_shear: float = 1.0 / math.sqrt(3.0)
     """Shear over tensile strength of metals (VDI 2230, 5.5.5: 0.60 to 0.70), over yield strength of plastics."""
@@ -118,9 +121,12 @@ def pull_out_force(diameter: float, length: float, shear: float) -> float:
     return math.pi * diameter * length * shear
 
 
-def glued_force(diameter: float, length: float) -> float:
-    """Compute the force [N] that a glued cylindrical joint transmits along its surface."""
-    return math.pi * diameter * length * JOINTS.glue_strength
+def glued_force(diameter: float, length: float, on_plastic: bool = False) -> float:
+    """Compute the force [N] that a glued cylindrical joint transmits along its surface.
+
+    `diameter` and `length` are in [m]. The adhesive is a retaining compound, or with a part of plastic an epoxy.
+    """
+    return math.pi * diameter * length * (JOINTS.plastic_glue_strength if on_plastic else JOINTS.glue_strength)
 
 
 def dowel_force(diameter: float, depth: float, yield_strength: float, shear: float = JOINTS.dowel_shear) -> float:

@@ -304,7 +304,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     rows = list(csv.DictReader(io.StringIO((out / "bom.csv").read_text())))
     read = [{**row, "count": int(row["count"]), "mass_kg": float(row["mass_kg"])} for row in rows]
     assert read == told["bom"]
-    assert Counter(row["made_or_bought"] for row in rows) == {"made": 9, "bought": 9, "consumable": 3}
+    assert Counter(row["made_or_bought"] for row in rows) == {"made": 9, "bought": 9, "consumable": 4}
     assert {str(path) for path in out.iterdir()} == set(told["files"])
     assert main([*arguments, "--out", str(out), "--force", "--all"]) == 0
     shown = capsys.readouterr().out

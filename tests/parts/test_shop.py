@@ -164,13 +164,53 @@ def test_counts_of_the_bill_are_those_of_the_solids(name):
 
 
 def test_grease_and_adhesive_are_listed():
-    grease, adhesive = consumables(PRINTED, casing(PRINTED))
+    grease, adhesive, _ = consumables(PRINTED, casing(PRINTED))
     volume = float(grease.size.removesuffix(" cm3"))
     inside = 1e6 * np.pi * PRINTED.design.ring_root_radius**2 * PRINTED.design.gear.face_width
     assert 0.02 * inside < volume < inside
     assert 1e3 * grease.mass_kg == pytest.approx(0.95 * volume, rel=0.05)
     assert "ring pins" in adhesive.fit
     assert 0.0 < float(adhesive.size.removesuffix(" cm3")) < 0.1 * volume
+
+
+def test_adhesive_on_a_plastic_is_an_epoxy():
+    """Anaerobic compounds do not cure on plastics: Onyx around the glued ring pins, steel around the motor shaft."""
+    (line,) = [line for line in consumables(PRINTED, casing(PRINTED)) if line.item == "adhesive"]
+    assert line.material == "retaining compound and two-part epoxy"
+    assert "two-part epoxy: ring pins in their sockets" in line.fit
+    assert "retaining compound: motor shaft in the crank" in line.fit
+    assert "glue the pins into their sockets (two-part epoxy)" in " ".join(assembly_order(PRINTED, casing(PRINTED)))
+    (steel,) = [line for line in consumables(PIN, casing(PIN)) if line.item == "adhesive"]
+    assert steel.material == "retaining compound"
+
+
+def test_screws_of_a_motor_without_threads_are_listed():
+    """The cover has M4, 6 mm deep, for a NEMA 23 with holes of 5 mm; a NEMA 17 with threads has screws from within."""
+    (screw,) = [line for line in consumables(PIN, casing(PIN)) if line.item == "motor_screw"]
+    assert (screw.count, screw.designation) == (4, "ISO 4762 - M4")
+    assert screw.size.startswith("4 off, 4 to 6 mm longer than the flange of the motor")
+    tapped = Reducer(resolve(PRESETS["printed"], {"drive.torque_nm": 0.1}))
+    sizes = casing(tapped, "nema17")
+    assert sizes.motor.tapped
+    assert "motor_screw" not in {line.item for line in consumables(tapped, sizes)}
+    assert "motor_screw" in {line.item for line in bill(tapped, 0.0, sizes)}
+
+
+def test_steps_state_when_a_motor_shaft_is_glued_and_what_centres_the_flange():
+    """A tapped motor is bolted on before its cover, so the adhesive must be in the bore before the cover goes on."""
+    reducer = Reducer(resolve(PRESETS["printed"], {"drive.torque_nm": 0.1}))
+    steps = assembly_order(reducer, casing(reducer, "nema17"))
+    assert "put retaining compound into the bore of the shaft" in steps[8]
+    assert "dial gauge" in assembly_order(PIN, casing(PIN))[4]
+    open_end = " ".join(assembly_order(PIN, casing(PIN, "circle")))
+    assert "mm behind the face and has no bore: state --motor-shaft-mm" in open_end
+
+
+def test_bought_dowels_have_the_material_of_their_standard():
+    lines = bill(PIN, 0.0, casing(PIN))
+    dowels = [line for line in lines if line.designation.startswith("ISO 8734")]
+    assert dowels
+    assert {line.material for line in dowels} == {"hardened steel"}
 
 
 def test_sealant_closes_the_faces_of_a_metal_ring():
@@ -206,7 +246,11 @@ def test_the_command_writes_plates_materials_and_torques(tmp_path: Path, capsys,
     screw = next(line for line in told["bom"] if line["item"] == "screw")
     assert re.fullmatch(r"tighten with [\d.]+ N m", screw["fit"])
     assert told["consumables"]
-    assert [line["item"] for line in told["bom"] if line["made_or_bought"] == "consumable"] == ["grease", "adhesive"]
+    assert [line["item"] for line in told["bom"] if line["made_or_bought"] == "consumable"] == [
+        "grease",
+        "adhesive",
+        "motor_screw",
+    ]
 
 
 @pytest.mark.parametrize("bed", ["220", "0x200", "axb", "1x2x3", "infx2"])

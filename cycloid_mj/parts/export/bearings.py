@@ -44,8 +44,16 @@ CROSSED_ROLLER_FIT = "H7 outside, g5 on the hub, clamped by the retainer and the
 LIGHT_BORE = 18e-3
 """Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""
 
+DOWEL_MATERIAL = "hardened steel"
+"""Material of dowels of ISO 8734, type A: 550 to 650 HV."""
+
 SHAFT_BEARINGS = 2
 """Number of bearings of the shaft."""
+
+
+def adhesive_of(on_plastic: bool) -> str:
+    """Return the adhesive of a joint in words: anaerobic compounds cure on metals only."""
+    return "two-part epoxy" if on_plastic else "retaining compound"
 
 
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:

@@ -20,10 +20,12 @@ from cycloid_mj.parts.cam_bearing import cam_seat as full_cam_seat
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import (
+    DOWEL_MATERIAL,
     FREE_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
     SHAFT_BEARINGS,
+    adhesive_of,
     bearing_fit,
     cup_fit,
     free_pin,
@@ -43,6 +45,8 @@ from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.casing import Casing, bearing_width_of, seat_radius
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    hole_depth,
     in_one_piece,
     is_crank_manufactured,
     is_plastic,
@@ -78,6 +82,9 @@ class ConsumableSettings:
 
 
 CONSUMABLES = ConsumableSettings()
+
+ADHESIVES = {False: "ISO 10123, 25 MPa", True: "3 MPa on plastics"}
+"""Designation of the adhesive on metals, and on plastics."""
 
 
 @dataclass(frozen=True)
@@ -134,10 +141,11 @@ def bill(
     )
 
 
-def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
-    """Yield bill rows of grease (a third of the free space), adhesive and sealant that a drive needs, with volumes.
+def consumables(reducer: Reducer, casing: Casing, torques: Mapping[str, float] | None = None) -> Iterator[BillLine]:
+    """Yield bill rows of grease (a third of the free space), adhesive, motor screws and sealant that a drive needs.
 
-    Sealant is for the metal faces of ring and covers; plastics keep grease in without it.
+    Sealant is for the metal faces of ring and covers; plastics keep grease in without it. `torques` are tightening
+    torques [N m] by the name of the screws.
     """
     parts, placements = assembly_parts(reducer, casing), place_parts(reducer, 0.0, casing)
     inner_placements = [
@@ -157,20 +165,45 @@ def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
     yield _consumable_line("grease", grease, "lithium soap", designation, "a third of the free space")
     glued_joints = [joint for joint in drive_joints(reducer, casing) if joint.kind is JointKind.GLUED]
     area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued_joints)
-    glued_places = [joint.name for joint in glued_joints]
+    on_plastic = {joint.name: _has_plastic(reducer, casing, joint) for joint in glued_joints}
     if bore := casing.motor_bore:
         radius, start, end = bore
         area += 2.0 * math.pi * radius * (end - start)
-        glued_places.append("motor shaft in the crank")
-    if glued_places:
-        volume = CONSUMABLES.adhesive_film * area
-        yield _consumable_line("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
+        on_plastic["motor shaft in the crank"] = part_material(reducer, names.SHAFT, casing).is_plastic
+    if on_plastic:
+        volume, kinds = CONSUMABLES.adhesive_film * area, sorted(set(on_plastic.values()))
+        material, designation = " and ".join(map(adhesive_of, kinds)), "; ".join(ADHESIVES[kind] for kind in kinds)
+        places = (f"{adhesive_of(kind)}: {place}" if len(kinds) > 1 else place for place, kind in on_plastic.items())
+        yield _consumable_line("adhesive", volume, material, designation, "; ".join(places))
+    yield from _motor_screw_line(reducer, casing, torques or {})
     if not is_plastic(reducer):
         face_area = 2.0 * math.pi * (reducer.design.housing.outer_radius**2 - root_radius**2)
         volume = CONSUMABLES.adhesive_film * face_area
         yield _consumable_line(
             "sealant", volume, "anaerobic flange sealant", "gap up to 0.25 mm", "both faces of the ring"
         )
+
+
+def _has_plastic(reducer: Reducer, casing: Casing, joint: Joint) -> bool:
+    """Return whether a part of a joint of a drive is of a plastic."""
+    return any(part_material(reducer, part, casing).is_plastic for part in joint.parts)
+
+
+def _motor_screw_line(reducer: Reducer, casing: Casing, torques: Mapping[str, float]) -> Iterator[BillLine]:
+    """Yield the row of screws through the flange of a motor into the cover, which are longer by its thickness.
+
+    Screws into the tapped holes of a motor are bought parts of the drive. `torques` are tightening torques [N m].
+    """
+    motor = casing.motor
+    if motor.tapped:
+        return
+    deepest = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
+    length = f"{in_mm(motor.thread)} to {in_mm(deepest)} mm longer than the flange of the motor is thick"
+    designation, size = f"ISO 4762 - M{in_mm(motor.thread)}", f"{motor.screws} off, {length}"
+    name, material, fit = names.MOTOR_SCREW, "steel 8.8", "through the flange of the motor"
+    if name in torques:
+        fit += f"; tighten with {torques[name]:.2g} N m"
+    yield BillLine(name, motor.screws, size, material, "consumable", designation, fit)
 
 
 def describe_consumable(line: BillLine) -> str:
@@ -384,9 +417,9 @@ def _pin_line(
         return _round_line(item, count, (("diameter", radius),), length, material)
     cut_length = length if pin.length > length + stock.ROUNDING else 0.0
     line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut_length)
-    return replace(
-        line, designation=pin.designation, fit=fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
-    )
+    text = fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
+    named = replace(line, designation=pin.designation, fit=text)
+    return replace(named, material=DOWEL_MATERIAL) if pin.designation.startswith("ISO 8734") else named
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:

@@ -12,7 +12,14 @@ from cycloid_mj.base.units import in_mm
 from cycloid_mj.design import stock
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments
-from cycloid_mj.parts.export.bearings import DOWEL_FIT, cup_fit, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
+from cycloid_mj.parts.export.bearings import (
+    DOWEL_FIT,
+    DOWEL_MATERIAL,
+    cup_fit,
+    hub_bearing_fit,
+    shaft_bearing,
+    shaft_bearing_fit,
+)
 from cycloid_mj.parts.export.casing import (
     Casing,
     bearing_width_of,
@@ -524,7 +531,7 @@ def _dowelled_joint(
         body,
         tuple(_point(centre, face) for centre in centres),
         (("diameter", dowel.diameter), ("length", dowel.length)),
-        "steel",
+        DOWEL_MATERIAL,
         dowel.designation,
         DOWEL_FIT,
         first=first_number,

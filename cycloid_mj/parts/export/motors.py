@@ -18,7 +18,7 @@ class MotorFlange:
     pilot, circle, thread
         Radii of pilot and bolt circle, and thread of the screws [m].
     shaft, shaft_length
-        Radius and length of the shaft [m]; a radius of 0: unknown, coupled to the end of the journal.
+        Radius and length of the shaft [m]; a radius of 0: unknown, coupled to the end of the crank.
     tapped
         Whether the holes of the motor are tapped, for screws from within the cover; else screws go into the cover.
     screws

@@ -3,7 +3,7 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.bearings import roller_bearing
+from cycloid_mj.parts.export.bearings import adhesive_of, roller_bearing
 from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing
@@ -78,7 +78,8 @@ def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
         f"hub through {'it' if has_one_bearing else 'both'}{flange_dowel_text}, and screw the {names.FLANGE} "
         f"on ({casing.flange_screws} x {casing.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
-        f"it clamps {'the inner ring' if has_one_bearing else 'them'}{_describe_preload(casing)}.",
+        f"it clamps {'the inner ring' if has_one_bearing else 'them'}{_describe_preload(casing)}"
+        f"{'' if casing.flange_dowel else '; centre it on the hub by a dial gauge, within 0.02 mm'}.",
         f"Lay the {names.HOUSING} on it{'' if casing.has_outer_dowels else dowel_text.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, casing),
@@ -140,9 +141,12 @@ def _describe_motor_cover(reducer: Reducer, casing: Casing) -> str:
     if not casing.motor.tapped:
         return f"P{press_text[1:]}"
     bolt, length = motor_screw(casing.motor, casing.wall)
-    screws_text = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
-    test_text = "Turn the crank by hand through one turn"
-    return f"{test_text}; bolt the motor on ({casing.motor.name}, {screws_text} from within), {press_text}"
+    screws_text = f"{casing.motor.screws} x {bolt.designation} x {MILLIMETRES * length:g}"
+    test_text, glue_text = "Turn the crank by hand through one turn", ""
+    if casing.motor.shaft:
+        adhesive = adhesive_of(reducer.design.material_of(names.SHAFT).is_plastic)
+        glue_text = f", put {adhesive} into the bore of the {names.SHAFT}"
+    return f"{test_text}; bolt the motor on ({casing.motor.name}, {screws_text} from within), {press_text}{glue_text}"
 
 
 def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
@@ -154,12 +158,20 @@ def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
             "end of the crank, and pass cables or a tool through its bore."
         )
     if motor.tapped:
-        return "Let the motor, its shaft glued into the bore of the crank, turn it slowly for a turn."
-    return (
-        f"Turn the crank by hand through one turn; bolt the motor on ({motor.name}, 4 x "
-        f"M{MILLIMETRES * motor.thread:g} on a circle of {2.0 * MILLIMETRES * motor.circle:.4g} mm), its shaft "
-        f"{'glued into the bore' if motor.shaft else 'coupled to the end'} of the crank."
+        shaft_text = "glued into the bore" if motor.shaft else "in a bore that you drill into the end"
+        return f"Let the motor, its shaft {shaft_text} of the crank, turn it slowly for a turn."
+    bolts_text = (
+        f"{motor.screws} x M{MILLIMETRES * motor.thread:g} on a circle of {2.0 * MILLIMETRES * motor.circle:.4g} mm"
     )
+    if motor.shaft:
+        motor_text = f"bolt the motor on ({motor.name}, {bolts_text}), its shaft glued into the bore of the crank"
+    else:
+        depth = f"{MILLIMETRES * (casing.journal - casing.face):.3g} mm"
+        motor_text = (
+            f"bolt the motor on ({motor.name}, {bolts_text}); the crank ends {depth} behind the face and has no bore: "
+            "state --motor-shaft-mm, or make it longer for a coupling (shaft.length_mm)"
+        )
+    return f"Turn the crank by hand through one turn; {motor_text}."
 
 
 def _describe_output_pins(reducer: Reducer) -> str:
@@ -185,7 +197,8 @@ def _describe_ring_pins(reducer: Reducer) -> str:
         return f", press the pins of the sleeves into the {names.OUTPUT_COVER} and put the sleeves on them"
     if ring.has_sockets:
         return "; put the pins into their sockets with grease, which keeps them there until the disc does"
-    return "; glue the pins into their sockets (retaining compound) and let it cure before the disc goes in"
+    adhesive = adhesive_of(is_plastic(reducer))
+    return f"; glue the pins into their sockets ({adhesive}) and let it cure before the disc goes in"
 
 
 def _describe_discs(reducer: Reducer, casing: Casing) -> str:
@@ -220,7 +233,8 @@ def _describe_discs(reducer: Reducer, casing: Casing) -> str:
         "Lay the key into the shaft" if cam_key(reducer, casing) else "Mark the phases of the cams on the shaft"
     )
     is_glued = not (cam_key(reducer, casing) or cam_spline(reducer))
-    retaining_note = " with retaining compound" if is_glued else ""
+    adhesive = adhesive_of(design.material_of(names.SHAFT).is_plastic)
+    retaining_note = f" with {adhesive}" if is_glued else ""
     return (
         f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
         f"end{retaining_note}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."

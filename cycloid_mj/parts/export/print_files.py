@@ -91,7 +91,7 @@ def print_files(
     by_stem = dict(zip(stems, print_plates, strict=True))
     items, consumable_lines = (
         bill(reducer, seat, casing, torques),
-        tuple(consumables(reducer, casing)) if casing else (),
+        tuple(consumables(reducer, casing, torques)) if casing else (),
     )
     materials = printed_materials(reducer, casing, {part for plate in print_plates for part in plate.counts})
     files, warnings = {BILL: bill_csv((*items, *consumable_lines))}, [*out_of_stock(items)]
