@@ -323,11 +323,11 @@ def _complete_change(reducer: Reducer, change: Mapping[str, float], max_addition
     `change` maps keys to new values. An extension never changes a key of `change` again. Return None if no extension
     resolves the errors.
     """
-    error = next(_errors_after(reducer, change), None)
-    if error is None:
+    failed_check = next(_errors_after(reducer, change), None)
+    if failed_check is None:
         return change
     remaining_changes = (
-        addition for addition in error.changes if max_additions and not addition.keys() & change.keys()
+        addition for addition in failed_check.changes if max_additions and not addition.keys() & change.keys()
     )
     completed = (_complete_change(reducer, {**change, **addition}, max_additions - 1) for addition in remaining_changes)
     return next((extended_change for extended_change in completed if extended_change), None)

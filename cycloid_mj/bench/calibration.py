@@ -227,7 +227,7 @@ class Calibration(Presented):
         extra_text = ", ".join(
             f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values
         )
-        text = (
+        sentence = (
             f"{best.meaning}{f' ({extra_text})' if extra_text else ''} explains the loops better than the design's "
             f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best.bayesian:.3g}, residual "
             f"{_percent(best.shares)} instead of {_percent(design_fit.shares)} of the heights"
@@ -236,7 +236,7 @@ class Calibration(Presented):
             "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
             f"--fit {','.join(best.values)}"
         )
-        return (*sentences, text + (remedy if best.key == "load" else ""))
+        return (*sentences, sentence + (remedy if best.key == "load" else ""))
 
     def _worst_sections(self) -> Iterator[str]:
         """Yield a sentence for each loop on the section of it that deviates most from the fitted model.
@@ -418,13 +418,13 @@ def _loop_json(fit: Fitted, loop_index: int) -> dict[str, Any]:
     ``residual_rms`` the rms difference of the model from it. ``offset_torque`` and ``offset`` are the fitted zero
     offsets of torque and deflection. ``residual_share`` is relative to the height.
     """
-    loop, rms, offset = fit.loops[loop_index], fit.rms(loop_index), fit.offsets[loop_index]
+    loop, residual_rms, offset = fit.loops[loop_index], fit.rms(loop_index), fit.offsets[loop_index]
     return {
         "name": loop.name,
         "points": len(loop.torque),
         "height_deg": loop.height / DEGREE,
-        "residual_rms_deg": rms / DEGREE,
-        "residual_share": rms / loop.height,
+        "residual_rms_deg": residual_rms / DEGREE,
+        "residual_share": residual_rms / loop.height,
         "residual_share_without_offset": fit.rms_without_offset(loop_index) / loop.height,
         "width_at_zero_torque_deg": loop_width(loop).value / DEGREE,
         "offset_torque_nm": float(offset[0]),

@@ -477,9 +477,9 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
         clearance, new_clearance = model.reducer.design.clearance, MICROMETRE.to_si(value)
         tooth_kinds = [kind for kind in kinds if kind != "output"]
         total_clearance = sum(getattr(clearance, kind) for kind in tooth_kinds)
-        change = {kind: new_clearance * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
-        change |= {"output": new_clearance} if "output" in kinds else {}
-        return replace(model, reducer=reducer_of(model.reducer.design.but(clearance=change)))
+        clearance_changes = {kind: new_clearance * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
+        clearance_changes |= {"output": new_clearance} if "output" in kinds else {}
+        return replace(model, reducer=reducer_of(model.reducer.design.but(clearance=clearance_changes)))
 
     return set_clearance
 
@@ -493,8 +493,8 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
     def set_stiffness(model: Model, value: float) -> Model:
         rated_reducer = model.reducer.at_rated_load
-        change = {kind: value * rated_reducer.contacts[kind].stiffness for kind in kinds}
-        return replace(model, reducer=reducer_of(model.reducer.design.but(stiffness=change)))
+        stiffness_changes = {kind: value * rated_reducer.contacts[kind].stiffness for kind in kinds}
+        return replace(model, reducer=reducer_of(model.reducer.design.but(stiffness=stiffness_changes)))
 
     return set_stiffness
 

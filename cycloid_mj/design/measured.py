@@ -145,18 +145,18 @@ def _read_disc_profile(path: Path) -> Columns:
     optionally z [mm], which is ignored. Raises DesignError for any other header, for a value that is not a number or
     out of range, and for a wrong number of cells.
     """
-    lines = list(_read_rows(path))
-    line_number, header_cells = lines[0]
+    numbered_rows = list(_read_rows(path))
+    line_number, header_cells = numbered_rows[0]
     header = tuple(cell.lower() for cell in header_cells)
     if all(_number(cell) is not None for cell in header_cells) and len(header_cells) in (2, 3):
         names = POINTS
     elif header == ANGLES:
-        names, lines = ANGLES, lines[1:]
+        names, numbered_rows = ANGLES, numbered_rows[1:]
     elif header[:2] in (POINTS, ("x", "y")) and len(header) in (2, 3):
-        names, lines = POINTS, lines[1:]
+        names, numbered_rows = POINTS, numbered_rows[1:]
     else:
         raise _wrong_header(path, line_number, header_cells, [ANGLES, POINTS])
-    return _parse_columns(path, names, lines)
+    return _parse_columns(path, names, numbered_rows)
 
 
 def _read_pins(path: Path) -> Columns:
@@ -165,11 +165,11 @@ def _read_pins(path: Path) -> Columns:
     The rows may have any order, the result has that of the pins. Raises DesignError if a pin is missing or listed
     twice, for another header, and for the errors that `_parse_columns` describes.
     """
-    lines = list(_read_rows(path))
-    line_number, header_cells = lines[0]
+    numbered_rows = list(_read_rows(path))
+    line_number, header_cells = numbered_rows[0]
     if tuple(cell.lower() for cell in header_cells) != PIN_COLUMNS:
         raise _wrong_header(path, line_number, header_cells, [PIN_COLUMNS])
-    columns = _parse_columns(path, PIN_COLUMNS, lines[1:])
+    columns = _parse_columns(path, PIN_COLUMNS, numbered_rows[1:])
     index_of_pin = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
         if pin not in index_of_pin:
@@ -229,14 +229,15 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in (line.split(",") if "," in line else re.split(r"\s+", line))]
 
 
-def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
+def _parse_columns(path: Path, names: tuple[str, ...], numbered_rows: Iterable[tuple[int, list[str]]]) -> Columns:
     """Convert the rows of a file to columns of numbers by name; a third coordinate of points is left out.
 
-    `names` are the names of the columns. `lines` has the line number and the cells of each row. Raises DesignError,
-    with the number of the line, for a value that is not a number or out of range, and for a wrong number of cells.
+    `names` are the names of the columns. `numbered_rows` has the line number and the cells of each row. Raises
+    DesignError, with the number of the line, for a value that is not a number or out of range, and for a wrong number
+    of cells.
     """
     rows = []
-    for line_number, cells in lines:
+    for line_number, cells in numbered_rows:
         max_cells = len(names) + (names == POINTS)
         values = [value for cell in cells if (value := _number(cell)) is not None]
         if len(values) != len(cells) or not len(names) <= len(cells) <= max_cells:

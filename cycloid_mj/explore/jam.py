@@ -97,7 +97,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
             "balance was found"
         )
-    pairs = sorted(
+    pair_names = sorted(
         (pair for pair, share in pair_shares.items() if share > JAM.min_pair_share), key=lambda pair: -pair_shares[pair]
     )
     removable_keys = [
@@ -113,7 +113,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     cause_text = f"without {' or '.join(removable_keys)} the parts of these samples fit"
     cause_text = cause_text if removable_keys else "no single tolerance is the cause"
     return (
-        f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
+        f"in the first {rows.size} of them {' and '.join(pair_names)} interfere{'' if len(pair_names) > 1 else 's'} by "
         f"{MICROMETRES * max(min(interferences), 0.0):.3g} to {MICROMETRES * max(interferences):.3g} um (rigid parts, "
         f"in the position of least interference); {cause_text}"
     )
@@ -133,15 +133,15 @@ def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) ->
     """
     sample_count = len(next(iter(deviations.values()))) if deviations else 1
     samples = apply_deviations(reducer, identical_samples(reducer, sample_count), deviations)
-    interferences, shares = [], dict[str, float]()
+    interferences, mean_shares = [], dict[str, float]()
     for row in range(sample_count):
         sample_design = unchecked_design_of_sample(reducer, samples, row)
         crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
-        gap, pairs = min(
+        gap, pair_shares = min(
             (find_tightest_pairs(Reducer(sample_design), angle) for angle in crank_angles),
             key=lambda contact: contact[0],
         )
         interferences.append(-gap)
-        for pair, share in pairs.items():
-            shares[pair] = shares.get(pair, 0.0) + share / sample_count
-    return interferences, shares
+        for pair, share in pair_shares.items():
+            mean_shares[pair] = mean_shares.get(pair, 0.0) + share / sample_count
+    return interferences, mean_shares

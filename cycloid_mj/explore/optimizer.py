@@ -170,9 +170,9 @@ def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     """
     best_reducer = reducer_of(optimum.design())
     try:
-        samples = OPTIMIZER.tolerance_samples
+        sample_count = OPTIMIZER.tolerance_samples
         tolerance_study = (
-            tolerance(best_reducer.design, samples, optimum.seed) if has_tolerances(best_reducer) else None
+            tolerance(best_reducer.design, sample_count, optimum.seed) if has_tolerances(best_reducer) else None
         )
     except TooManyJams as error:
         tolerance_study = error.tolerances

@@ -271,11 +271,14 @@ class _SearchRun:
         restart_count = 0
         while self._best is not None and self._used < self._budget and restart_count < CMA.max_restarts:
             restart_count += 1
-            score, point = self._best
+            best_cost, point = self._best
             ranges = self._task.ranges
             search = self._new_search(
-                point[len(ranges) :], positions_in_ranges(ranges, point), CMA.local_sigma, [0, starts + restart_count]
+                point[len(ranges) :],
+                positions_in_ranges(ranges, point),
+                CMA.local_sigma,
+                [0, starts + restart_count],
             )
             self.advance([search], self._budget)
-            if self._best[0] >= score:
+            if self._best[0] >= best_cost:
                 break

@@ -229,8 +229,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve]) -> None:
     axes.tick_params(labelsize=6.5)
     low, high = float(values.min()), float(values.max())
     if low > 0.0:
-        bottom = 0.0 if low < 0.5 * high else 0.9 * low
-        axes.set_ylim(bottom, high + 0.08 * (high - bottom))
+        lowest_value = 0.0 if low < 0.5 * high else 0.9 * low
+        axes.set_ylim(lowest_value, high + 0.08 * (high - lowest_value))
     if len(curves) > 1:
         axes.legend(fontsize=6.0, frameon=False)
     axes.margins(x=0.04)

@@ -132,14 +132,14 @@ def write_descriptions(reduced: ReducedJoint, reducer: Reducer, file_format: For
     if file_format == "mjx":
         scene, _ = choose_scenes(reduced, integrator="implicitfast")
         timestep = DESCRIPTION.mjx_step_share * scene.timestep
-        texts = {"joint.xml": joint_xml(reduced), "scene.xml": _without_noslip(reduced, scene.inertia, timestep)}
+        text_by_file = {"joint.xml": joint_xml(reduced), "scene.xml": _without_noslip(reduced, scene.inertia, timestep)}
     elif file_format == "sdf":
-        texts = {f"{name}.sdf": sdf_text(reduced, reducer)}
+        text_by_file = {f"{name}.sdf": sdf_text(reduced, reducer)}
     else:
-        texts = {f"{name}.urdf": urdf_text(reduced, reducer, armature=file_format == "isaaclab")}
+        text_by_file = {f"{name}.urdf": urdf_text(reduced, reducer, armature=file_format == "isaaclab")}
         if file_format == "isaaclab":
-            texts[f"{_module_name(name)}_cfg.py"] = isaaclab_text(reduced, f"{name}.urdf")
-    return {file: text.encode() for file, text in texts.items()}
+            text_by_file[f"{_module_name(name)}_cfg.py"] = isaaclab_text(reduced, f"{name}.urdf")
+    return {file: text.encode() for file, text in text_by_file.items()}
 
 
 def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:

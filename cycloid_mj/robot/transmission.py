@@ -138,8 +138,8 @@ def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
     relative_amplitudes = [
         np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra
     ]
-    shares: Array = np.stack(relative_amplitudes).max(axis=0)
-    strongest_first = np.argsort(-shares, kind="stable")
+    largest_amplitudes: Array = np.stack(relative_amplitudes).max(axis=0)
+    strongest_first = np.argsort(-largest_amplitudes, kind="stable")
     for count in range(1, RIPPLE.max_harmonics):
         strongest = strongest_first[:count]
         is_accurate = [

@@ -161,16 +161,16 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
     reducer = Reducer(design)
     crank_angles = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
     contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), design.rated_torque / 100.0)
-    cam = 100.0 * np.linalg.norm(contact_loads.cam, axis=-1)
-    values = (
+    cam_forces = 100.0 * np.linalg.norm(contact_loads.cam, axis=-1)
+    compared_forces = (
         ("largest force on a pin", 100.0 * contact_loads.teeth.max(), 213.14),
         ("largest force on an output pin", 100.0 * contact_loads.output.max(), 1705.9),
-        ("largest force of a cam", cam.max(), 2460.0),
-        ("smallest force of a cam", cam.min(), 1967.0),
+        ("largest force of a cam", cam_forces.max(), 2460.0),
+        ("smallest force of a cam", cam_forces.min(), 1967.0),
     )
     return [
         relative(f"{quantity}, two discs", float(computed_value), published_value, "N", KUBAKOS, 0.5)
-        for quantity, computed_value, published_value in values
+        for quantity, computed_value, published_value in compared_forces
     ]
 
 

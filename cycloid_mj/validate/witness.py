@@ -106,16 +106,18 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     speed error of the gear [mrad/s]. There are `WITNESS.periods` mesh periods.
     """
     design = reducer.design
-    window = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
-    evaluated_run = run.select(run.time >= max(design.drive.hold - window, SETTLED))
+    duration = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
+    evaluated_run = run.select(run.time >= max(design.drive.hold - duration, SETTLED))
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
     powers = (
         evaluated_run["crank_torque"] * evaluated_run["crank_speed"],
         evaluated_run["load_torque"] * evaluated_run["output_speed"],
     )
-    speed = evaluated_run[f"{gear}_speed"] + evaluated_run["crank_speed"] / design.lobes
-    speed = speed - speed.mean()  # where the ring turns, gears do not
-    return _compute_quantities(output_error(evaluated_run, reducer), evaluated_run.forces("cam")[:, 0], powers, speed)
+    speed_error = evaluated_run[f"{gear}_speed"] + evaluated_run["crank_speed"] / design.lobes
+    speed_error = speed_error - speed_error.mean()  # where the ring turns, gears do not
+    return _compute_quantities(
+        output_error(evaluated_run, reducer), evaluated_run.forces("cam")[:, 0], powers, speed_error
+    )
 
 
 def _compute_quantities(
