@@ -70,8 +70,9 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``parts``: for each kind its ``name`` and the rows of its ``rated`` contact and fatigue stresses and of its
-        ``bulk`` stress [MPa]; a kind without any row is left out.
+        ``parts``: for each kind its ``name``, and lists of rows of its ``rated`` contact and fatigue stresses and of
+        its ``bulk`` stress. A row has ``name``, ``text``, ``judgement``, ``title``, and ``share`` and ``colour`` of a
+        bar. A kind without any row is left out.
 
     Raises
     ------

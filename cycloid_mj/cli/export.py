@@ -246,7 +246,11 @@ class ExportFlags:
         return self.plate or self.assembly or self.drawings
 
     def require_consistent(self, file_format: str) -> None:
-        """Raise UsageError for a flag that has no effect with the other flags and the file format."""
+        """Raise UsageError for a flag that needs another flag or file format, or excludes another flag.
+
+        `file_format` is the value of ``--format``. For example, ``--bed`` needs ``--plate``, and ``--arcs`` the format
+        dxf.
+        """
         if self.cam_bearing_bore_mm is not None and not self.plate:
             raise UsageError(
                 "--cam-bearing-bore-mm applies only with --plate: add --plate, or remove --cam-bearing-bore-mm"
@@ -267,7 +271,7 @@ class ExportFlags:
             raise UsageError("--polylines and --arcs cannot be used together: remove one of the two")
 
     def require_supported(self, reducer: Reducer) -> None:
-        """Raise UsageError for a flag that does not support the layout of the reducer."""
+        """Raise UsageError for a flag that does not support the layout of the reducer, such as RV."""
         if not isinstance(reducer, RvReducer):
             return
         if self.plate:

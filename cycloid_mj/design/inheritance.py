@@ -59,7 +59,7 @@ class Inheritance:
 
     @property
     def remedy(self) -> tuple[str, ...]:
-        """Return the advice to scale the preset's lengths to the pin circle of the file; empty if it does not apply.
+        """Return one sentence that advises to scale the preset's lengths to the file's pin circle, or an empty tuple.
 
         It applies if lengths were taken unscaled from a preset with another pin circle.
         """

@@ -85,7 +85,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
 
 def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Return the log columns by name that `poses` needs, one sample each, for the ideal mechanism.
+    """Return the log columns that `poses` needs, such as ``crank_angle``, one sample each, for the ideal mechanism.
 
     `crank_angle` is in [rad].
     """

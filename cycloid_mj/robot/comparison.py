@@ -294,7 +294,7 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
 
 
 def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
-    """Compute the efficiency of the full model under an output torque [N m]; 0 if it is self-locking.
+    """Compute the efficiency [1] of the full model under an output torque [N m]; 0 if it is self-locking.
 
     The torque is positive if the crank drives, negative if the output drives.
     """

@@ -265,7 +265,10 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
 
 
 def trials_table(trials: tuple[StepTrial, ...]) -> Table:
-    """Tabulate the errors of all trials: a row for each level, integrator and inertia, a column for each time step."""
+    """Tabulate the errors of trials: a row for each level, integrator and inertia, a column for each time step.
+
+    A cell is `StepTrial.summary`: the error of the largest wind-up in an impact [%], or a verdict such as "unstable".
+    """
     rows: dict[str, dict[float, str]] = {}
     for trial in trials:
         impact = "" if trial.level == "rigid" else f", {trial.impact_frequency:g} Hz"
