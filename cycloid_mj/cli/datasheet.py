@@ -106,7 +106,7 @@ def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
         headline=headline(quantities[key] for key in _headline_keys(quantities)),
         summary=printed_paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
-        notes=sheet.notes,
+        notes=[*(f"{item.name}: {item.note}" for item in quantities.values() if item.note), *sheet.notes],
         files={pdf: document(datasheet_pages(sheet))},
         frame=quantity_frame(quantities),
         result=sheet.as_json() | {"files": printed_paths},

@@ -48,6 +48,7 @@ from cycloid_mj.life.rv_sheet_rows import (
     toleranced_error_rows,
 )
 from cycloid_mj.life.sheet_rows import (
+    describe_roller_play,
     describe_speed,
     environment_rows,
     figure_row,
@@ -248,7 +249,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
     groups["Lubrication and environment"] = tuple(environment_rows(reducer))
     if has_casing(reducer):
         groups["Interfaces"] = _interface_rows(reducer)
-        groups["Assembly"] = tuple(mounting_rows(reducer))
+        groups["Assembly"] = tuple(mounting_rows(reducer, 0.01 * groups["Efficiency and heat"][0].value))
     advance()
     curves = (
         life_curve(reducer, life, momentary_limit, life_limit[0], advance),
@@ -383,9 +384,10 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
+    roller_play = describe_roller_play(reducer)
     return (
-        with_name(quantities["backlash"], "Backlash", "without load, mean over a turn"),
-        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}"),
+        with_name(quantities["backlash"], "Backlash", f"without load, mean over a turn{roller_play}"),
+        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}{roller_play}"),
         with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, input locked"),
         with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow"),
         hysteresis(reducer),

@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, fits
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
@@ -24,6 +24,7 @@ from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
+from cycloid_mj.parts.export.bearings import ROLLER_FIT, roller_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import lubricant_temperature, state_seals
@@ -274,11 +275,25 @@ def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
-def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
+def describe_roller_play(reducer: Reducer) -> str:
+    """Return a clause on the play of plain rollers on their pins, which no tooth clearance includes; else empty.
+
+    A pin moves by the mean clearance of the fit before its roller reaches the other side of the hole.
+    """
+    output = reducer.design.output
+    if not output.has_roller_parts or roller_bearing(reducer):
+        return ""
+    clearance = 0.5 * sum(fits.clearances(ROLLER_FIT, 2.0 * output.root_radius))
+    angle = clearance / output.pin_circle_radius / ARCMINUTE
+    return f"; without the play of the rollers on their pins ({ROLLER_FIT}), which adds about {angle:.2g} arcmin"
+
+
+def mounting_rows(reducer: Reducer, efficiency: float) -> Iterator[Quantity]:
     """Yield the data-sheet rows for mounting a drive with covers.
 
     They are radial and axial run-out of the output [um], radial load at the end of the input shaft [N], continuous
-    torque of the motor and tightening torque of each screwed joint [N m].
+    torque of the motor and tightening torque of each screwed joint [N m]. `efficiency` is that of the drive at its
+    nominal torque and speed (0 to 1).
     """
     design, covers = reducer.design, casing(reducer)
     bore_mm = 1e3 * covers.hub.bore
@@ -304,14 +319,11 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
         note=f"at most, at {2e3 * covers.flange_radius:.4g} mm diameter: {reason}",
     )
     yield _input_load_row(reducer)
-    yield Quantity(
-        "motor_torque",
-        "Motor, continuous torque",
-        design.drive.torque,
-        "N m",
-        note=f"{covers.motor.name}, at {describe_speed(reducer)}, "
-        f"{abs(design.drive.torque * design.drive.speed):.3g} W",
-    )
+    motor_torque = design.drive.torque / efficiency
+    condition = f"for {design.rated_torque:.4g} N m at {describe_speed(reducer)}, efficiency {efficiency:.1%}"
+    power = f"{abs(motor_torque * design.drive.speed):.3g} W"
+    note = f"{covers.motor.name}; {condition}, {power}"
+    yield Quantity("motor_torque", "Motor, continuous torque", motor_torque, "N m", note=note)
     for screwed_joint in screwed_joints(reducer):
         key = screwed_joint.joint.name.replace(" ", "_")
         note = f"{screwed_joint.designation}, {1e-3 * screwed_joint.preload:.3g} kN each, friction 0.12 (VDI 2230)"

@@ -28,19 +28,29 @@ class PageLayout:
     right: float = 0.93
     """Margins."""
     row: float = 0.0166
-    """Height of a row of a table."""
+    """Height of a row of a table, which is lower if the tables would reach the curves."""
+    curves_top: float = 0.28
+    """Upper end of the curves with their titles."""
+    table_frame: float = 0.0305
+    """Height of heading and gap of a table."""
     columns: tuple[float, float, float] = (0.0, 0.41, 0.515)
     """Start of name, unit and condition, relative to the width of a table; values end before the unit."""
     note_width: int = 138
     """Characters of a line of the notes."""
+    condition_width: int = 70
+    small_width: int = 104
+    """Characters of a condition in a single line, and of each of two lines in a smaller font."""
 
 
 LAYOUT = PageLayout()
 
 
 NAVY, ACCENT, INK, SOFT, RULE = "#12324F", "#0072B2", "#1A1F24", "#59636E", "#D3DAE0"
-KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "efficiency", "mass")
-"""Quantities of the tiles below the title."""
+KEYS = (
+    *(("rated_torque",), ("momentary_torque",), ("backlash",), ("stiffness_ideal",)),
+    *(("drive_efficiency_percent", "efficiency"), ("drive_mass_kg", "mass")),
+)
+"""Quantities of the tiles below the title: of several, the first that a sheet has, that of the complete drive."""
 
 MOUNTING = ("Mass and size", "Output bearing", "Interfaces")
 OPERATION = ("Without load", "Lubrication and environment", "Assembly")
@@ -70,8 +80,11 @@ def _performance_page(sheet: Datasheet) -> Figure:
     figure = _empty_page(sheet, 1)
     _draw_tiles(figure, sheet, 0.855)
     top = 0.79
-    for heading in [heading for heading in sheet.groups if heading not in (*MOUNTING, *OPERATION)]:
-        top = _draw_table(figure, heading, sheet.groups[heading], top)
+    tables = {key: group for key, group in sheet.groups.items() if key not in (*MOUNTING, *OPERATION)}
+    height = top - LAYOUT.curves_top - LAYOUT.table_frame * len(tables)
+    row = min(LAYOUT.row, height / sum(map(len, tables.values())))
+    for heading, group in tables.items():
+        top = _draw_table(figure, heading, group, top, row)
     panels = _curves_by_panel(sheet)
     column_width = (LAYOUT.right - LAYOUT.left) / len(panels)
     for column, panel in enumerate(panels):
@@ -149,8 +162,9 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
     quantity_by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, tile_count = 0.012, len(KEYS)
     width = (LAYOUT.right - LAYOUT.left - (tile_count - 1) * gap) / tile_count
-    for column, key in enumerate(KEYS):
-        x, quantity = LAYOUT.left + column * (width + gap), quantity_by_key[key]
+    for column, keys in enumerate(KEYS):
+        x = LAYOUT.left + column * (width + gap)
+        quantity = next(quantity_by_key[key] for key in keys if key in quantity_by_key)
         figure.add_artist(Rectangle((x, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
         figure.add_artist(Rectangle((x, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
         figure.text(x + 0.012, bottom + 0.023, quantity.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
@@ -160,11 +174,13 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
         figure.text(x + 0.012, bottom - 0.016, format_unit(quantity.unit), fontsize=6.5, color=SOFT, va="center")
 
 
-def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
+def _draw_table(
+    figure: Figure, heading: str, quantities: Sequence[Quantity], top: float, row: float = LAYOUT.row
+) -> float:
     """Draw a table with name, value, unit and condition of each quantity, and return the position below it.
 
     `figure` is the page. `top` is the position of the heading. Both are vertical positions as a fraction of the page
-    height, from its bottom.
+    height, from its bottom; `row` is the height of a row.
     """
     _draw_heading(figure, heading, top)
     name_x, unit_x, condition_x = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
@@ -174,15 +190,20 @@ def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], to
         figure.text(name_x, line_y, quantity.name, **text_style)
         figure.text(unit_x - 0.012, line_y, format_value(quantity), weight="bold", ha="right", **text_style)
         figure.text(unit_x, line_y, format_unit(quantity.unit), **text_style)
-        figure.text(condition_x, line_y, _shorten(quantity.note), **{**text_style, "fontsize": 6.2, "color": SOFT})
-        line_y -= LAYOUT.row
-        _draw_rule(figure, line_y + 0.5 * LAYOUT.row, RULE, 0.4)
+        note_style = {**text_style, "fontsize": 6.2, "color": SOFT}
+        if len(quantity.note) > LAYOUT.condition_width:
+            note_style |= {"fontsize": 4.7, "linespacing": 1.05}
+        figure.text(condition_x, line_y, _wrap_condition(quantity.note), **note_style)
+        line_y -= row
+        _draw_rule(figure, line_y + 0.5 * row, RULE, 0.4)
     return line_y - 0.012
 
 
-def _shorten(text: str) -> str:
-    """Shorten a condition to fit its column."""
-    return textwrap.shorten(text, 70, placeholder=" …")
+def _wrap_condition(text: str) -> str:
+    """Wrap a condition that is too long for its column into two lines, which have a smaller font."""
+    if len(text) <= LAYOUT.condition_width:
+        return text
+    return textwrap.fill(text, LAYOUT.small_width, max_lines=2, placeholder=" …")
 
 
 def format_value(quantity: Quantity) -> str:

@@ -20,7 +20,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, life_curve
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
-from cycloid_mj.life.sheet_rows import environment_rows
+from cycloid_mj.life.sheet_rows import describe_roller_play, environment_rows
 from cycloid_mj.parts import input_inertia, mass_properties, parts
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.prism import Prism
@@ -267,6 +267,45 @@ def test_makers_rows_state_units_and_conditions(sheet) -> None:
     tightening = [row for key, row in rows.items() if key.startswith("tightening_")]
     assert {row.unit for row in tightening} == {"N m"}
     assert len(tightening) == 4
+
+
+def test_motor_torque_includes_the_losses(sheet) -> None:
+    """The motor delivers the nominal torque over ratio and efficiency, not the nominal torque over the ratio alone."""
+    rows = told(sheet)
+    efficiency = 0.01 * rows["drive_efficiency_percent"].value
+    ideal = rows["nominal_torque"].value / rows["ratio"].value
+    assert rows["motor_torque"].value == pytest.approx(ideal / efficiency)
+    assert f"for {rows['nominal_torque'].value:.4g} N m" in rows["motor_torque"].note
+
+
+def test_backlash_states_the_play_of_plain_rollers() -> None:
+    """E8/m6 on 4 mm: 20 to 38 um less 4 to 12 um, so 21 um on average, over 26 mm: 2.8 arcmin."""
+    text = describe_roller_play(Reducer(override(PIN, ["output.core_radius_mm=2", "output.roller_bearing=plain"])))
+    assert "(E8/m6), which adds about 2.8 arcmin" in text
+    assert describe_roller_play(Reducer(PIN)) == ""
+
+
+def test_long_tables_do_not_reach_the_curves(sheet) -> None:
+    """With film friction a sheet has 26 rows on its first page, of which the last ran into the titles below."""
+    more = tuple(replace(sheet.groups["Speed"][0], key=f"row_{number}", name=f"row {number}") for number in range(8))
+    longer = replace(sheet, groups=sheet.groups | {"Speed": sheet.groups["Speed"] + more})
+    assert sum(len(longer.groups[key]) for key in longer.groups if key in list(longer.groups)[:4]) >= 26
+    require_separate_texts(datasheet_pages(longer)[0])
+
+
+def test_tiles_state_efficiency_and_mass_of_the_complete_drive(sheet) -> None:
+    rows, (page, *_) = told(sheet), datasheet_pages(sheet)
+    tiles = [text.get_text() for text in page.texts if text.get_fontsize() == 13]
+    assert tiles[-2:] == [format_value(rows[key]) for key in ("drive_efficiency_percent", "drive_mass_kg")]
+
+
+def test_conditions_are_whole_on_paper_and_on_the_terminal(sheet, capsys, tmp_path: Path) -> None:
+    texts = " ".join(text.get_text() for page in datasheet_pages(sheet) for text in page.texts).split()
+    for row in told(sheet).values():
+        assert not row.note or " ".join(row.note.split()) in " ".join(texts), row.key
+    assert main(["datasheet", "pin", "--all", "--out", str(tmp_path)]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Backlash: perfect parts; without load" in shown
 
 
 def test_rows_without_seals_and_of_perfect_parts_state_so(sheet) -> None:
