@@ -253,10 +253,10 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
 def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
     """Return the inverse effective mass [1/kg] at crank bearings and planet meshes of an RV reducer, by kind of pair.
 
-    The n bearings of a disc act together: the disc moves in the plane, or rotates relative to the carrier, whichever
-    has the larger mobility. At a planet mesh the planet rotates; the sun rotates, too, or a floating sun moves
-    sideways, where n meshes are as stiff as n/2 meshes in one direction. `by_carrier` is the inverse inertia of the
-    carrier with its cranks [1/(kg m2)]; it is 0 if the carrier is fixed.
+    The n bearings of a disc share its effective mass: n times the larger of the disc's mobilities, in the plane or by
+    its rotation relative to the carrier. At a planet mesh, the mobility of the planet's rotation is added to n times
+    the larger of the sun's: by its rotation, or 1/(2 m) of a floating sun of mass m sideways. `by_carrier` is the
+    inverse inertia of the carrier with its cranks [1/(kg m2)]; it is 0 if the carrier is fixed.
     """
     count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
     disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]

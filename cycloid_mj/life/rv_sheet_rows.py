@@ -111,7 +111,9 @@ def rv_further_groups(reducer: RvReducer) -> dict[str, tuple[Quantity, ...]]:
 def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Iterator[Quantity]:
     """Yield the data-sheet rows of ratio, torques [N m] and rated speeds [rpm] of an RV reducer.
 
-    `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
+    The torques are the rated torque of the drive and of its crank bearings alone, momentary and nominal torque; the
+    speeds those of input and output. `limits` are the rated and momentary torque for a `life` [h] at the design's
+    speed.
     """
     design, (rated_value, weakest_item), (momentary_value, stop_item) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings

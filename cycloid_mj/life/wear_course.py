@@ -217,11 +217,11 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 
 
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
-    """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
+    """Return the largest time step [h] in which wear widens no gap by more than a share of its deflection under load.
 
     `drive` is the drive with its duty. `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding
     distance so far [Pa m] of each cell of a surface, and `rates` their rates [Pa m/s]: key of the surface -> (cells,).
-    The result is inf without wear.
+    The share is `WearSettings.step_share`. The result is inf without wear.
     """
     time_steps = [math.inf]
     for surface in drive.surfaces:

@@ -93,6 +93,11 @@ class LogWriter:
             Source of messages for viewers; None without them.
         hidden
             Whether the file has a hidden name until it is complete.
+
+        Raises
+        ------
+        LogError
+            The file exists or cannot be written, or a topic or column name is invalid.
         """
         self.samples = 0
         self._groups = _column_groups(groups)

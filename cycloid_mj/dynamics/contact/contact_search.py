@@ -184,8 +184,9 @@ def read_touch(address: int) -> Touch:
 def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
     """Compute the stiffness of a contact of the teeth over the nominal stiffness of such contacts [1], 2 at most.
 
-    `curvature` [1/m] is the relative curvature of both surfaces at the contact: the stiffness of a line contact
-    increases with its width. The result is 1 if `teeth.reference` is 0, which selects the nominal stiffness everywhere.
+    It is ``reference / (constant + ln curvature)`` with the parameters of `teeth`. `curvature` [1/m] is the relative
+    curvature of both surfaces at the contact: a flatter contact is wider and stiffer. The result is 1 if
+    `teeth.reference` is 0, which selects the nominal stiffness everywhere.
     """
     if teeth.reference == 0.0:
         return 1.0
@@ -274,9 +275,9 @@ def _interval_edge_phase(bottom: float, top: float, fraction: float, is_own: boo
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
     """Return whether a displaced disc is certainly too far from a root for a contact, by a simple bound.
 
-    The normals of the root have the directions between the unit vectors (x1, y1) and, clockwise from it, (x2, y2).
-    `clearance` is the smallest gap without displacement minus the largest gap of a contact [m], (dx, dy) the
-    displacement of the disc [m]. False means that the bound does not decide.
+    The root's normals lie in the sector from the unit vector (x1, y1) clockwise to (x2, y2). `clearance` is the
+    smallest gap without displacement minus the largest gap of a contact [m], (dx, dy) the displacement of the disc [m].
+    False means that the bound does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -338,7 +339,7 @@ def _write_arc_contact(address: int, arc: ArcTouch, lobe: Pose, arc_radius: floa
 
 @njit(inline="always")
 def _root_stiffness_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
-    """Compute the stiffness of a contact in a root over the nominal stiffness [1], from the local curvatures.
+    """Compute the `_stiffness_factor` of a contact in a root [1] from the curvatures of flank and root there.
 
     The contact is at the `minimum` of the gap. `profile` are the teeth of the disc, `arc_radius` is the radius of the
     lobes' arcs [m].

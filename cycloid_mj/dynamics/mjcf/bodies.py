@@ -30,7 +30,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # unit vectors
 
 
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties], tilting_pins: bool = False) -> None:
-    """Add every body of the mechanism with its joints to the editable MuJoCo model `spec`, and its inertia if it moves.
+    """Add the bodies of the mechanism, with joints and, if they move, inertia, to the editable MuJoCo model `spec`.
 
     `masses` are the mass properties by part, `tilting_pins` is whether moving pins tilt.
     """

@@ -249,11 +249,11 @@ def _find_needle_contacts(
 
 @njit
 def resultant_share(dx: float, dy: float, clearance: float, cage: float, needles: int) -> float:
-    """Return the resultant of the forces of the needles of a bearing over their sum [1].
+    """Return the resultant of the forces of the needles of a bearing over their sum [1]; 1 without forces.
 
-    The inner part is displaced by (`dx`, `dy`) in its bore [m], `clearance` is radial [m], and the first needle is at
-    the angle `cage` [rad] from +y. The friction of a bearing acts on the resultant, which reduces the coefficient of
-    each needle by this share.
+    The forces are in proportion to the penetrations. The inner part is displaced by (`dx`, `dy`) in its bore [m],
+    `clearance` is radial [m], and the first needle is at the angle `cage` [rad] from +y. The friction of a bearing acts
+    on the resultant, which reduces the coefficient of each needle by this share.
     """
     spacing, force_sum, resultant_x, resultant_y = 2.0 * math.pi / needles, 0.0, 0.0, 0.0
     for needle in range(needles):
@@ -660,7 +660,7 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
 
 @njit
 def rolling_speed(contact: Contact, v: Array) -> float:
-    """Compute the tangential speed [m/s] of the centre of a round surface, such as a pin, past its mate.
+    """Compute the speed [m/s] of the centre of a round surface, such as a pin, past its mate along the tangent.
 
     This motion, as a pin rolls or slides along its mate, rotates the contact normal (`geometric_stiffness`). `v` are
     the speeds of all coordinates, shape (unknowns,).

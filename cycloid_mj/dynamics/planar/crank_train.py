@@ -200,7 +200,8 @@ def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: flo
 def _set_bearing_arms(contact: Contact, arms: BearingArms) -> None:
     """Set the lever arms [m] of a contact of a crank bearing, along normal and tangent, about disc, carrier and crank.
 
-    `arms` are the vectors from their axes to the bearing.
+    `arms` are the vectors between the axes of the reducer, the crank, the eccentric and the disc (`BearingArms`). The
+    normal of the contact must be set.
     """
     nx, ny = contact.nx, contact.ny
     axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, radius = arms

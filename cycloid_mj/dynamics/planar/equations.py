@@ -242,9 +242,9 @@ def _add_pin_inertia(
 ) -> None:
     """Add inertia and gravity of a pin to its block of the equations, whose first row is `row`.
 
-    `system` has the arrays of the reducer. `pin_unknown` is the index of its first unknown, `v0` (unknowns,) are the
-    speeds of all coordinates at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate
-    pins, see `solve_step`.
+    `system` is the reducer as arrays. `pin_unknown` is the index of its first unknown, `v0` (unknowns,) are the speeds
+    of all coordinates at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate pins, see
+    `solve_step`.
     """
     pins, pin_rhs, gx, gy = equations.pins, equations.pin_rhs, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
@@ -524,8 +524,8 @@ def _couple_shaft(
 def _condense_pins(system: System, equations: Equations) -> None:
     """Eliminate the unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
 
-    `system` has the arrays of the reducer. For `_recover_pins`, `pin_rhs` and `pin_rows` of the equations are
-    multiplied by the inverse of each pin's own block.
+    `system` is the reducer as arrays. For `_recover_pins`, `pin_rhs` and `pin_rows` of the equations are multiplied by
+    the inverse of each pin's own block.
     """
     if equations.pins.shape[1] > 3:
         _condense_tilting_pins(system, equations)
@@ -567,7 +567,7 @@ def _condense_tilting_pins(system: System, equations: Equations) -> None:
     """Eliminate the unknowns of pins in several planes from the `equations` by Gauss-Jordan elimination, in place.
 
     This is `_condense_pins` for tilting pins; there is no pivoting. The block of a pin is its positive definite mass
-    matrix with the slopes of its contacts. `system` has the arrays of the reducer.
+    matrix with the slopes of its contacts. `system` is the reducer as arrays.
     """
     matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled

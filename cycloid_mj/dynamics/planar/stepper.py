@@ -256,8 +256,9 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
 
     `system` is the reducer as arrays. The search is at the pose that follows from the `predicted` midpoint speeds,
     which is compared with that by the speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s].
-    `half_step` is half of the time step [s]; all but the first `size` unknowns are those of pins. A rotation of a disc
-    is converted to a path at the radius of the pin circle.
+    `half_step` is half of the time step [s]; all but the first `size` unknowns are those of pins. A disc may be
+    `CONTACT_SEARCH.disc_tolerance` [m] away, with its rotation as a path at the pin circle, and a pin `pin_tolerance`
+    [1] times the difference of the radii of its seat.
     """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
