@@ -250,23 +250,25 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     return {kind: 1.0 / mobility_of_kind for kind, mobility_of_kind in mobility.items()}
 
 
-def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
+def _rv_mobility(reducer: RvReducer, carrier_mobility: float) -> dict[str, float]:
     """Return the inverse effective mass [1/kg] at crank bearings and planet meshes of an RV reducer, by kind of pair.
 
     The n bearings of a disc share its effective mass: n times the larger of the disc's mobilities, in the plane or by
     its rotation relative to the carrier. At a planet mesh, the mobility of the planet's rotation is added to n times
-    the larger of the sun's: by its rotation, or 1/(2 m) of a floating sun of mass m sideways. `by_carrier` is the
+    the larger of the sun's: by its rotation, or 1/(2 m) of a floating sun of mass m sideways. `carrier_mobility` is the
     inverse inertia of the carrier with its cranks [1/(kg m2)]; it is 0 if the carrier is fixed.
     """
     count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
     disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
-    rotation_mobility = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * by_carrier)
+    rotation_mobility = reducer.crank_radius**2 * (
+        1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * carrier_mobility
+    )
     sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
     sideways_mobility = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
-    by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways_mobility)
+    sun_mobility = count * max(mesh.sun_base**2 / sun_inertia, sideways_mobility)
     return {
         names.CRANK_BEARING: count * max(1.0 / disc.mass, float(rotation_mobility)),
-        names.PLANET_MESH: by_sun + mesh.planet_base**2 / float(crank.inertia[2, 2]),
+        names.PLANET_MESH: sun_mobility + mesh.planet_base**2 / float(crank.inertia[2, 2]),
     }
 
 

@@ -279,7 +279,7 @@ def _find_lobe_contacts(
     count: int,
     mating: MatingSurfaces,
     ring: Pose,
-    address: int,
+    scratch_address: int,
     q: Array,
     v: Array,
     half_step: float,
@@ -287,9 +287,9 @@ def _find_lobe_contacts(
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
     `system` is the reducer as arrays, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and the
-    first lobe, `ring` the pose of the ring, `address` the memory address of the `scratch` of `find_contacts`. `q` and
-    `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half
-    of the time step [s].
+    first lobe, `ring` the pose of the ring, `scratch_address` the memory address of the `scratch` of `find_contacts`.
+    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step`
+    is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
@@ -298,9 +298,11 @@ def _find_lobe_contacts(
         lobe_x, lobe_y = outwards(ring, system.ring_centres[lobe, 0], system.ring_centres[lobe, 1])
         cosine, sine = outwards(ring, system.outward[lobe, 1], -system.outward[lobe, 0])
         for touch in range(
-            lobe_touches(address, teeth, lobes[lobe], Pose(lobe_x, lobe_y, cosine, sine), gear, CONTACT_SEARCH.margin)
+            lobe_touches(
+                scratch_address, teeth, lobes[lobe], Pose(lobe_x, lobe_y, cosine, sine), gear, CONTACT_SEARCH.margin
+            )
         ):
-            _fill_contact(contacts[count], pair, read_touch(address + STRIDE * touch), -1.0, q, v, half_step)
+            _fill_contact(contacts[count], pair, read_touch(scratch_address + STRIDE * touch), -1.0, q, v, half_step)
             set_film_friction(system, contacts[count], _TEETH, phase_cosine(lobe_x, lobe_y, gear.x, gear.y), v)
             count += 1
     return count
@@ -370,7 +372,7 @@ def _find_seat_contacts(
     pair: int,
     plane: int,
     ring: Pose,
-    address: int,
+    scratch_address: int,
     q: Array,
     v: Array,
     half_step: float,
@@ -378,7 +380,7 @@ def _find_seat_contacts(
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
     `system` is the reducer as arrays. `pair` is the index of the first pin's pair, `plane` that of the disc in whose
-    plane the contacts are, `ring` the pose of the ring, `address` the memory address of the `scratch` of
+    plane the contacts are, `ring` the pose of the ring, `scratch_address` the memory address of the `scratch` of
     `find_contacts`. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s,
     rad/s], `half_step` is half of the time step [s].
     """
@@ -397,7 +399,7 @@ def _find_seat_contacts(
             inner = Round(pin_x, pin_y, seat_x, seat_y, system.inner[seat], -1.0)
         cosine = _largest_force_phase_cosine(contacts, count, pin_unknown, shift) if system.film.size else 1.0
         count += _find_round_contacts(
-            system, contacts, count, mating, inner, outer, _SEAT, cosine, address, q, v, half_step
+            system, contacts, count, mating, inner, outer, _SEAT, cosine, scratch_address, q, v, half_step
         )
     return count
 
@@ -496,9 +498,9 @@ def _find_round_contacts(
     mating: MatingSurfaces,
     inner: Round,
     outer: PartialCircle,
-    kind: int,
-    cosine: float,
-    address: int,
+    film_row: int,
+    pin_cosine: float,
+    scratch_address: int,
     q: Array,
     v: Array,
     half_step: float,
@@ -517,18 +519,18 @@ def _find_round_contacts(
         The mating pair.
     inner, outer
         The inner circle and the outer circle or arc.
-    kind, cosine
+    film_row, pin_cosine
         Row of the pair in the table of lubricated friction, and cosine of the angle between the directions of its ring
         pin and of the disc's centre, 1 for other pairs.
-    address
+    scratch_address
         Memory address of the `scratch` of `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
-    count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
+    count = inner_touches(scratch_address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
     for contact_index in range(count):
-        touch, contact = read_touch(address + STRIDE * contact_index), contacts[first_contact + contact_index]
+        touch, contact = read_touch(scratch_address + STRIDE * contact_index), contacts[first_contact + contact_index]
         _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
-        set_film_friction(system, contact, kind, cosine, v)
+        set_film_friction(system, contact, film_row, pin_cosine, v)
         distance = math.sqrt(dx * dx + dy * dy)
         if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * distance or distance == 0.0:
             continue  # a contact at an edge

@@ -73,14 +73,18 @@ class Equations(NamedTuple):
 
 def allocate_equations(system: System) -> Equations:
     """Allocate the matrices and vectors of a step of the planar solver, for the reducer `system`."""
-    size, pins, width = len(system.inertia), len(system.ring_centres) * system.free, 2 * len(system.pin_mass) + 1
+    main_count, pins, pin_width = (
+        len(system.inertia),
+        len(system.ring_centres) * system.free,
+        2 * len(system.pin_mass) + 1,
+    )
     return Equations(
-        matrix=np.zeros((size, size)),
-        rhs=np.zeros(size),
-        pins=np.zeros((width * pins, width)),
-        pin_rhs=np.zeros(width * pins),
-        pin_columns=np.zeros((size * pins, width)),
-        pin_rows=np.zeros((width * pins, size)),
+        matrix=np.zeros((main_count, main_count)),
+        rhs=np.zeros(main_count),
+        pins=np.zeros((pin_width * pins, pin_width)),
+        pin_rhs=np.zeros(pin_width * pins),
+        pin_columns=np.zeros((main_count * pins, pin_width)),
+        pin_rows=np.zeros((pin_width * pins, main_count)),
         coupled=np.zeros(pins, dtype=np.int64),
         settled=np.zeros(pins, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
@@ -138,8 +142,8 @@ def solve_step(
         _assemble(system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, couple_friction)
         _condense_pins(system, equations)
         solve_linear(equations.matrix, equations.rhs, equations.rhs, 0.0)
-        size = len(equations.rhs)
-        for unknown in range(size):
+        main_count = len(equations.rhs)
+        for unknown in range(main_count):
             v[unknown] = equations.rhs[unknown]
         _recover_pins(equations, v)
         if not _update_states(
@@ -174,9 +178,9 @@ def _assemble(
     """
     matrix, rhs = equations.matrix, equations.rhs
     pins, pin_rhs = equations.pins, equations.pin_rhs
-    size, half_step = len(rhs), 0.5 * timestep
-    for unknown in range(size):
-        for column in range(size):
+    main_count, half_step = len(rhs), 0.5 * timestep
+    for unknown in range(main_count):
+        for column in range(main_count):
             matrix[unknown, column] = 0.0
         matrix[unknown, unknown] = system.inertia[unknown] / half_step
         rhs[unknown] = matrix[unknown, unknown] * v0[unknown]
@@ -190,18 +194,18 @@ def _assemble(
     for shaft in range(2):
         _add_shaft_torques(system, equations, shaft, q0, predicted, command[shaft], half_step)
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
-    width = pins.shape[1]
+    pin_width = pins.shape[1]
     for unknown in range(len(coupled)):
-        pin_unknown, row = size + width * unknown, width * unknown
-        for pin_equation in range(row, row + width):
+        pin_unknown, row = main_count + pin_width * unknown, pin_width * unknown
+        for pin_equation in range(row, row + pin_width):
             pin_rhs[pin_equation] = 0.0
-            for column in range(width):
+            for column in range(pin_width):
                 pins[pin_equation, column] = 0.0
         _add_pin_inertia(system, equations, v0, row, pin_unknown, pin_span)
         if coupled[unknown]:
-            for pin_equation in range(width):
-                for column in range(size):
-                    pin_columns[size * unknown + column, pin_equation] = 0.0
+            for pin_equation in range(pin_width):
+                for column in range(main_count):
+                    pin_columns[main_count * unknown + column, pin_equation] = 0.0
                     pin_rows[row + pin_equation, column] = 0.0
             coupled[unknown] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
@@ -371,13 +375,13 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
     the speeds.
     """
     matrix, rhs, pin_columns, pin_rows = equations.matrix, equations.rhs, equations.pin_columns, equations.pin_rows
-    size, disc, pin_unknown, sliding = len(rhs), contact.disc, contact.pin, tangent.sliding
+    main_count, disc, pin_unknown, sliding = len(rhs), contact.disc, contact.pin, tangent.sliding
     shaft, crank = contact.shaft, contact.crank
     shaft_arms = _shaft_arms(contact.shaft_normal, contact.shaft_tangent, contact.shaft_centre, sliding)
     crank_arms = _shaft_arms(contact.crank_normal, contact.crank_tangent, contact.crank_centre, sliding)
-    width, shift = equations.pins.shape[1], contact.pin_shift
-    pin_index = (pin_unknown - size) // width
-    pin_row, column_row = width * pin_index, size * pin_index
+    pin_width, shift = equations.pins.shape[1], contact.pin_shift
+    pin_index = (pin_unknown - main_count) // pin_width
+    pin_row, column_row = pin_width * pin_index, main_count * pin_index
     if pin_unknown >= 0 and (disc >= 0 or shaft >= 0):
         equations.coupled[pin_index] = 1
     if disc >= 0:
@@ -493,29 +497,29 @@ def _couple_shaft(
     arms: ShaftArms,
     tangent: Tangent,
     body: LeverArms,
-    columns: Array,
+    column_block: Array,
     row: int,
     column: int,
-    rows: Array,
+    row_block: Array,
     shaft_row: int,
     first_column: int,
     shift: int,
 ) -> None:
     """Add the derivatives by which a contact couples a body and a shaft to two blocks of the matrix of equations.
 
-    The derivative of the body's force with respect to the shaft's speed is added to the matrix `columns`, from `row` on
-    at `column`. That of the shaft's torque with respect to the body's speeds is added to the matrix `rows`, at
-    `shaft_row` from `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body,
-    `tangent` is the contact force as a linear function of the speeds. Rows and columns of the body's x and y are
-    `shift` further on, those of its rotation are not.
+    The derivative of the body's force with respect to the shaft's speed is added to the matrix `column_block`, from
+    `row` on at `column`. That of the shaft's torque with respect to the body's speeds is added to the matrix
+    `row_block`, at `shaft_row` from `first_column` on. `arms` and `body` are the lever arms of the contact about shaft
+    and body, `tangent` is the contact force as a linear function of the speeds. Rows and columns of the body's x and y
+    are `shift` further on, those of its rotation are not.
     """
     for i in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[i], tangent.geometric * body.centre[i]
         index = i + (shift if i < 2 else 0)
-        columns[row + index, column] += (
+        column_block[row + index, column] += (
             tangent.slope * body.pushed[i] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
         )
-        rows[shaft_row, first_column + index] += (
+        row_block[shaft_row, first_column + index] += (
             tangent.slope * arms.pushed * body.normal[i] + creep_term * arms.tangent + roll_term * arms.centre
         )
 
@@ -532,10 +536,10 @@ def _condense_pins(system: System, equations: Equations) -> None:
         return
     matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    size = len(rhs)
+    main_count = len(rhs)
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for pin in range(len(coupled)):
-        pin_row, column_row = 3 * pin, size * pin
+        pin_row, column_row = 3 * pin, main_count * pin
         inverse = _invert_block(pins, pin_row)
         x, y, z = _multiply(inverse, pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2])
         pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2] = x, y, z
@@ -571,25 +575,25 @@ def _condense_tilting_pins(system: System, equations: Equations) -> None:
     """
     matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    size, width = len(rhs), pins.shape[1]
+    main_count, pin_width = len(rhs), pins.shape[1]
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for pin in range(len(coupled)):
-        pin_row, column_row = width * pin, size * pin
+        pin_row, column_row = pin_width * pin, main_count * pin
         columns = coupled_size if coupled[pin] else 0
-        for pivot in range(width):
+        for pivot in range(pin_width):
             scale = 1.0 / pins[pin_row + pivot, pivot]
-            _scale_row(pins, pin_row + pivot, scale, width)
+            _scale_row(pins, pin_row + pivot, scale, pin_width)
             _scale_row(pin_rows, pin_row + pivot, scale, columns)
             pin_rhs[pin_row + pivot] *= scale
-            for row in range(width):
+            for row in range(pin_width):
                 factor = pins[pin_row + row, pivot]
                 if row == pivot or factor == 0.0:
                     continue
-                _subtract_row(pins, pin_row + row, pin_row + pivot, factor, width)
+                _subtract_row(pins, pin_row + row, pin_row + pivot, factor, pin_width)
                 _subtract_row(pin_rows, pin_row + row, pin_row + pivot, factor, columns)
                 pin_rhs[pin_row + row] -= factor * pin_rhs[pin_row + pivot]
         for equation in range(columns):
-            for pin_equation in range(width):
+            for pin_equation in range(pin_width):
                 factor = pin_columns[column_row + equation, pin_equation]
                 if factor == 0.0:
                     continue
@@ -651,14 +655,14 @@ def _recover_pins(equations: Equations, v: Array) -> None:
     `equations` has the products with the inverse of each pin's block that the elimination leaves.
     """
     coupled, pin_rows, pin_rhs = equations.coupled, equations.pin_rows, equations.pin_rhs
-    size, width = len(equations.rhs), equations.pins.shape[1]
+    main_count, pin_width = len(equations.rhs), equations.pins.shape[1]
     for pin in range(len(coupled)):
-        for component in range(width):
-            speed = pin_rhs[width * pin + component]
+        for component in range(pin_width):
+            speed = pin_rhs[pin_width * pin + component]
             if coupled[pin]:
-                for unknown in range(size):
-                    speed -= pin_rows[width * pin + component, unknown] * v[unknown]
-            v[size + width * pin + component] = speed
+                for unknown in range(main_count):
+                    speed -= pin_rows[pin_width * pin + component, unknown] * v[unknown]
+            v[main_count + pin_width * pin + component] = speed
 
 
 @njit
@@ -684,12 +688,12 @@ def _update_states(
     step [s].
     """
     has_changed, no_other_changed, largest_force, largest_change = False, True, 0.0, 0.0
-    size, width, no_change = len(equations.rhs), equations.pins.shape[1], equations.settled
+    main_count, pin_width, no_change = len(equations.rhs), equations.pins.shape[1], equations.settled
     for i in range(len(no_change)):
         no_change[i] = 1
     for i in range(count):
         contact = contacts[i]
-        old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - size) // width
+        old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - main_count) // pin_width
         one_at_a_time = pin >= 0 or not change_all
         normal_force = _update_forces(contact, predicted, v, half_step)
         largest_force = max(largest_force, contact.normal_force)

@@ -173,12 +173,12 @@ def _compile_steps() -> Any:
         `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear; `train` is
         None without cranks. Forces accelerate pins in `pin_span` [s]: half of a `timestep`, or all of it.
         """
-        size, half_step = len(equations.rhs), 0.5 * timestep
+        main_count, half_step = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         row, max_iterations, unconverged = 0, 0, 0
         for step in range(len(commands)):
-            _extrapolate_speeds(motion, size, predicted)
+            _extrapolate_speeds(motion, main_count, predicted)
             count, iterations = 0, 0
             for search in range(CONTACT_SEARCH.max_searches):
                 _integrate(motion.q, half_step, predicted, q)
@@ -189,7 +189,7 @@ def _compile_steps() -> Any:
                 iterations = solve_step(
                     system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, midpoint
                 )
-                if not _is_far_from_search(system, half_step, predicted, midpoint, size):
+                if not _is_far_from_search(system, half_step, predicted, midpoint, main_count):
                     break
                 _relax(predicted, midpoint, 1.0 if search < CONTACT_SEARCH.unrelaxed_searches else 0.5)
             else:
@@ -204,21 +204,21 @@ def _compile_steps() -> Any:
                     system, contacts, count, motion, q, midpoint, commands[step], max_iterations, unconverged, rows[row]
                 )
                 row, max_iterations, unconverged = row + 1, 0, 0
-            _finish_step(motion, size, timestep, pin_span, midpoint)
+            _finish_step(motion, main_count, timestep, pin_span, midpoint)
 
     return advance
 
 
 @njit
-def _extrapolate_speeds(motion: Motion, size: int, predicted: Array) -> None:
+def _extrapolate_speeds(motion: Motion, main_count: int, predicted: Array) -> None:
     """Write the expected midpoint speeds of the next step to `predicted`, from those of the last two steps in `motion`.
 
-    `predicted` has the shape (unknowns,). The first `size` unknowns are extrapolated linearly. The others are those of
-    pins; they keep their speeds.
+    `predicted` has the shape (unknowns,). The first `main_count` unknowns are extrapolated linearly. The others are
+    those of pins; they keep their speeds.
     """
     for unknown in range(len(predicted)):
         predicted[unknown] = motion.midpoint[unknown]
-        if unknown < size:
+        if unknown < main_count:
             predicted[unknown] += motion.midpoint[unknown] - motion.before[unknown]
 
 
@@ -237,26 +237,26 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 
 
 @njit
-def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
+def _finish_step(motion: Motion, main_count: int, timestep: float, pin_span: float, midpoint: Array) -> None:
     """Advance the state of a run, `motion`, in place to the end of a step with the speeds `midpoint` at its midpoint.
 
-    `midpoint` has the shape (unknowns,); all but the first `size` unknowns are those of pins. `timestep` is in [s], and
-    `pin_span` [s] is the time in which forces accelerate pins to their midpoint speeds, half a step or a step.
+    `midpoint` has the shape (unknowns,); all but the first `main_count` unknowns are those of pins. `timestep` is in
+    [s], and `pin_span` [s] is the time in which forces accelerate pins to their midpoint speeds, half a step or a step.
     """
     of_pins = timestep / pin_span
     for unknown in range(len(midpoint)):
         motion.before[unknown], motion.midpoint[unknown] = motion.midpoint[unknown], midpoint[unknown]
         motion.q[unknown] += timestep * midpoint[unknown]
-        motion.v[unknown] += (2.0 if unknown < size else of_pins) * (midpoint[unknown] - motion.v[unknown])
+        motion.v[unknown] += (2.0 if unknown < main_count else of_pins) * (midpoint[unknown] - motion.v[unknown])
 
 
 @njit
-def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
+def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, main_count: int) -> bool:
     """Return whether a disc or a moving pin is so far from the pose of the contact search that it has to be repeated.
 
     `system` is the reducer as arrays. The search is at the pose that follows from the `predicted` midpoint speeds,
     which is compared with that by the speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s].
-    `half_step` is half of the time step [s]; all but the first `size` unknowns are those of pins. A disc may be
+    `half_step` is half of the time step [s]; all but the first `main_count` unknowns are those of pins. A disc may be
     `CONTACT_SEARCH.disc_tolerance` [m] away, with its rotation as a path at the pin circle, and a pin `pin_tolerance`
     [1] times the difference of the radii of its seat.
     """
@@ -270,7 +270,7 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
     for pin in range(len(system.inner)):
         tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[pin] - system.inner[pin])
         for plane in range(planes):
-            pin_x = size + (2 * planes + 1) * pin + plane_shift(plane)
+            pin_x = main_count + (2 * planes + 1) * pin + plane_shift(plane)
             x, y = midpoint[pin_x] - predicted[pin_x], midpoint[pin_x + 1] - predicted[pin_x + 1]
             if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
                 return True
@@ -341,7 +341,7 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
     rotation, which is the input. Angles of cranks are relative to the carrier, positions of pins to the seats in the
     ring. The position of a tilting pin is that of its middle.
     """
-    size, sun = len(system.inertia), 3 * len(system.offset)
+    main_count, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
     if system.floating:
         for axis in range(2):
@@ -354,16 +354,16 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
     column = _write_shaft(system, 0, system.shafts[0], q, v, command, row, column)
     carrier = system.stud_shaft
     carrier_angle, member_speed = (q[carrier], v[carrier]) if carrier >= 0 else (0.0, 0.0)
-    for crank in range(size - system.cranks, size):
+    for crank in range(main_count - system.cranks, main_count):
         row[column], row[column + 1] = q[crank] - carrier_angle, v[crank] - member_speed
         column += 2
     ring_angle, member_speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     sine, cosine = math.sin(ring_angle), math.cos(ring_angle)
-    width = 2 * len(system.pin_mass) + 1
-    for pin_unknown in range(size, len(q), width):
-        pin = (pin_unknown - size) // width
+    pin_width = 2 * len(system.pin_mass) + 1
+    for pin_unknown in range(main_count, len(q), pin_width):
+        pin = (pin_unknown - main_count) // pin_width
         x, y = q[pin_unknown], q[pin_unknown + 1]
-        if width > 3:
+        if pin_width > 3:
             x, y = 0.5 * (x + q[pin_unknown + 3]), 0.5 * (y + q[pin_unknown + 4])
         row[column] = cosine * x + sine * y - system.seat_centres[pin, 0]
         row[column + 1] = cosine * y - sine * x - system.seat_centres[pin, 1]
@@ -426,16 +426,16 @@ def _write_shaft(
 
 
 @njit
-def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
+def _compute_energies(system: System, q: Array, v: Array, main_count: int) -> tuple[float, float]:
     """Compute the potential and the kinetic energy of all bodies [J].
 
     `q` and `v` (unknowns,) are the coordinates of all bodies [m], [rad] and their speeds [m/s], [rad/s], in the order
-    that the module ``system`` describes. The first `size` unknowns are those of discs, sun, output and cranks; the
-    others are those of moving pins.
+    that the module ``system`` describes. The first `main_count` unknowns are those of discs, sun, output and cranks;
+    the others are those of moving pins.
     """
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0
-    for unknown in range(size):
+    for unknown in range(main_count):
         kinetic += 0.5 * system.inertia[unknown] * v[unknown] * v[unknown]
     for body in range(0, 3 * system.bodies, 3):
         potential -= system.inertia[body] * (gx * q[body] + gy * q[body + 1])
@@ -447,7 +447,7 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
         moment_x, moment_y = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         potential -= gx * (cosine * moment_x - sine * moment_y) + gy * (sine * moment_x + cosine * moment_y)
     planes = len(system.pin_mass)
-    for pin_unknown in range(size, len(q), 2 * planes + 1):
+    for pin_unknown in range(main_count, len(q), 2 * planes + 1):
         translation = 0.0
         for plane in range(planes):
             pin_x = pin_unknown + plane_shift(plane)
