@@ -380,7 +380,7 @@ def blocks(
         if isinstance(compiled, PlanarModel):
             stepping = _Stepping(compiled.stepper(cycle, plan.stride))
         else:
-            stepping = _mujoco_stepping(compiled, reducer, initial_state(compiled, reducer, cycle), plan)
+            stepping = _make_mujoco_stepper(compiled, reducer, initial_state(compiled, reducer, cycle), plan)
             if is_exact:
                 stack.enter_context(collider.install(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.install())
@@ -458,7 +458,7 @@ class _Stepping:
         )
 
 
-def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
+def _make_mujoco_stepper(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
     """Return the stepper of a MuJoCo run, with two conditions that end the run: a warning, or too many iterations.
 
     `compiled` is the MuJoCo model of `reducer`. From the reducer, the stepper gets the contact laws and, for lubricated

@@ -229,7 +229,7 @@ class Casing(MotorSide, OutputSide):
 
     @property
     def output_cavity(self) -> float:
-        """Radius of the cavity for the disc of the output in the output cover [m].
+        """Return the radius of the cavity for the disc of the output in the output cover [m].
 
         Next to a stop ring, it is that of the shoulder of the outer ring, which starts at the ring of the drive.
         """

@@ -56,8 +56,8 @@ def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
     joints = drive_joints(reducer, casing)
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
-        names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, casing)),
-        names.MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(casing)),
+        names.OUTPUT: (names.OUTPUT, _hub_cylinders(reducer, casing)),
+        names.MOTOR_COVER: (names.HOUSING, _motor_cover_cylinders(casing)),
         names.OUTPUT_COVER: (names.HOUSING, _output_cover(casing)),
         names.FLANGE: (names.OUTPUT, _flange_rounds(casing)),
         names.RETAINER: (names.HOUSING, _retainer_rounds(casing)),
@@ -123,9 +123,9 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
         outline = CircleContour(ring_pin_radius(reducer))
         return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in segments)
     if name == names.OUTPUT and reducer.design.output.has_disc_seat:
-        return part.of(_fit_disc(casing, segments))
+        return part.of(_split_output_disc(casing, segments))
     if name == names.SECOND_OUTPUT and casing.motor_bearing:
-        return part.of(_fit_second_disc(casing, casing.motor_bearing, segments))
+        return part.of(_split_second_disc(casing, casing.motor_bearing, segments))
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
@@ -137,7 +137,7 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
     return part
 
 
-def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
+def _split_output_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
     """Yield the segments of the output, whose first segment, the disc, is the seat of the output's bearings.
 
     The disc is divided into the shoulder of the bearings and their seat. There is no shoulder next to a stop ring: the
@@ -154,7 +154,7 @@ def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
     yield from others
 
 
-def _fit_second_disc(casing: Casing, bearing: tuple[float, float], segments: Sequence[Segment]) -> Iterator[Segment]:
+def _split_second_disc(casing: Casing, bearing: tuple[float, float], segments: Sequence[Segment]) -> Iterator[Segment]:
     """Yield the segments of the output's second disc, divided into the seat of a bearing around it and its shoulder.
 
     The shoulder is next to the cycloid discs, or with a stop ring at the other side of the bearing. `bearing` are the
@@ -285,7 +285,7 @@ def _split_spacer(reducer: Reducer, casing: Casing, segments: Sequence[Segment])
     return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
 
 
-def _motor_cover_rounds(casing: Casing) -> tuple[Round, ...]:
+def _motor_cover_cylinders(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the motor cover along z: a narrow one next to the motor, if stepped, and the wide one.
 
     The wide cylinder ends at the ring, or, with screws outside of the ring, continues around it as a rim. The rim ends
@@ -332,7 +332,7 @@ def _flange_rounds(casing: Casing) -> tuple[Round, ...]:
     return (casing.flange_radius, casing.top, step), (casing.gap_seal_radius, step, end)
 
 
-def _hub_rounds(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
+def _hub_cylinders(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders that the casing adds to the disc of the output: floor, shoulder of the bearings, and hub.
 
     The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.

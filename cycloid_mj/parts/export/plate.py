@@ -261,11 +261,11 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
     max_width = max(width for width, _ in sizes)
     lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
-    candidates = [_pack_rows_to(sizes, order, max(float(length), max_width), gap) for length in lengths]
+    candidates = [_pack_rows_of_length(sizes, order, max(float(length), max_width), gap) for length in lengths]
     return min(candidates, key=lambda corners: max(_upper_end(corners, sizes, 0), _upper_end(corners, sizes, 1)))
 
 
-def _pack_rows_to(
+def _pack_rows_of_length(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
     """Pack rectangles in rows of at most `limit` [m], with a `gap` [m] between them; return their lower left corners.
