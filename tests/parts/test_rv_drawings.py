@@ -7,7 +7,7 @@ import ezdxf
 import pytest
 
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, resolve
 from cycloid_mj.geometry.involute import InvoluteGear, span_measurement
 from cycloid_mj.parts.export.rv_drawing import rv_part_drawings
 from cycloid_mj.reducer import RvReducer
@@ -32,6 +32,15 @@ def test_a_profile_shift_increases_a_span_and_backlash_decreases_it() -> None:
     _, thinned = span_measurement(involute_gear(20, thinning=1e-5))
     assert shifted - plain == pytest.approx(2.0 * 0.1 * 1e-3 * math.sin(math.radians(20.0)))
     assert plain - thinned == pytest.approx(1e-5 * math.cos(math.radians(20.0)))
+
+
+def test_limits_are_those_of_the_tolerance_study_and_angles_have_no_rounding_errors() -> None:
+    changes = {"crank_tolerance.eccentricity": "normal 1", "crank_tolerance.bore_position": "uniform 4"}
+    drawings = {item.name: item for item in rv_part_drawings(RvReducer(resolve(PRESETS["rv80e"], changes)))}
+    assert any("± 0.003" in item.text for item in drawings["crank"].diameters)
+    assert any("position ⌀0.008 to A" in note for note in drawings["gear_1"].notes)
+    assert any("position ⌀0.01 to A" in note for note in drawings["carrier_1"].notes)
+    assert not any("e-" in note for item in drawings.values() for note in item.notes)
 
 
 def test_each_made_part_has_a_drawing_with_its_count_and_fits() -> None:

@@ -275,7 +275,7 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
             radii = np.hypot(*centres.T)
             if radii.max() <= SAME_LENGTH:
                 continue
-            circle, angle = 2.0 * float(radii.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
+            circle, angle = 2.0 * float(radii.mean()), first_angle(centres)
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
             thread = next((f"M{in_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
             position_text = (
@@ -304,6 +304,11 @@ def _describe_widths(casing: Casing, part: Part) -> Iterator[str]:
     if limits:
         tolerance = in_mm(0.5 * casing.play)
         yield f"width {in_mm(high - low)} {limits.format(tolerance)}; faces parallel within 0.01"
+
+
+def first_angle(centres: Array) -> float:
+    """Return the angle of the first of some centres (n, 2) about the axis, from +x [deg], without a rounding error."""
+    return round(float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0]))), 6) + 0.0
 
 
 def _describe_tolerances(
@@ -341,7 +346,7 @@ def _grade(dimension: Dimension) -> int:
     return int(match[2]) if match else max(fits.GRADES)
 
 
-def _half_width(text: str, key: str, size: float, default: float) -> float:
+def largest_deviation(text: str, key: str, size: float, default: float) -> float:
     """Return the largest deviation [m] of a tolerance of the design file; `default` without one."""
     zone = parse_zone(text, key, size, 0.0)
     return max(map(abs, zone.limits)) if zone else default
@@ -350,7 +355,7 @@ def _half_width(text: str, key: str, size: float, default: float) -> float:
 def _eccentricity_tolerance(design: Design) -> float:
     """Return half of the tolerance of the eccentricity [m]: that of the tolerance study, or 5 um."""
     size = 2.0 * design.gear.bore_radius
-    return _half_width(design.tolerance.eccentricity, "eccentricity", size, ECCENTRICITY_TOLERANCE)
+    return largest_deviation(design.tolerance.eccentricity, "eccentricity", size, ECCENTRICITY_TOLERANCE)
 
 
 def _size_tolerance(design: Design) -> str:
@@ -369,7 +374,7 @@ def _hole_position_tolerance(design: Design) -> str:
     """Return the diameter of the zone of an output hole's axis [mm]: that of the tolerance study, or of the teeth."""
     text, size = design.tolerance.hole_position, 2.0 * design.output.hole_radius
     default = _profile_tolerance(design) / MILLIMETRES
-    return f"{MILLIMETRES * 2.0 * _half_width(text, 'hole_position', size, default):.4f}"
+    return f"{MILLIMETRES * 2.0 * largest_deviation(text, 'hole_position', size, default):.4f}"
 
 
 def _profile_tolerance(design: Design) -> float:

@@ -23,6 +23,8 @@ from cycloid_mj.parts.export.drawing import (
     describe_lobes,
     describe_ring_teeth,
     describe_surface,
+    first_angle,
+    largest_deviation,
     lay_out_drawing,
     section_diameters,
     title_block,
@@ -65,7 +67,7 @@ def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
         part,
         names.ECCENTRIC,
         lambda radius, inner: (_zone(reducer, part.name, radius, inner), 2.0 * radius),
-        ECCENTRICITY_TOLERANCE,
+        _limit(reducer, "eccentricity", 2.0 * reducer.cranks.eccentric_radius, ECCENTRICITY_TOLERANCE),
     )
     datum = "datum B: the face at the lower end of the lengths"
     notes = (*_drawing_notes(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
@@ -95,14 +97,22 @@ def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
     elif names.family(name) == names.GEAR:
         yield describe_lobes(design, "A, the axis of the crank bores' circle")
         yield _describe_hole_pattern(
-            crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION
+            crank_centres(reducer),
+            reducer.bore_radius,
+            NEEDLE_BORE,
+            "raceways of the needles",
+            _position(reducer, "bore_position", reducer.bore_radius),
         )
         yield _describe_hole_pattern(
             post_centres(reducer), reducer.window_radius, "", "windows for the posts", LOOSE_POSITION
         )
     elif name in FLANGES:
         yield _describe_hole_pattern(
-            crank_centres(reducer), cranks.taper_radius, OUTER_RING, "seats of the tapered bearings", POSITION
+            crank_centres(reducer),
+            cranks.taper_radius,
+            OUTER_RING,
+            "seats of the tapered bearings",
+            _position(reducer, "carrier_position", cranks.taper_radius),
         )
         if name == FLANGES[1]:
             yield _describe_hole_pattern(post_centres(reducer), cranks.post_radius, "", "posts", LOOSE_POSITION)
@@ -136,9 +146,18 @@ def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
     yield f"span over {count} teeth W{count} = {MILLIMETRES * span:.4f}; flank tolerance class 6, ISO 1328-1 (assumed)"
 
 
+def _limit(reducer: RvReducer, key: str, size: float, default: float) -> float:
+    """Return the largest deviation [m] of a tolerance of the cranks at a diameter [m]; `default` without one."""
+    return largest_deviation(getattr(reducer.crank_tolerance, key), key, size, default)
+
+
+def _position(reducer: RvReducer, key: str, radius: float) -> float:
+    """Return the diameter [mm] of the zone of the axes of seats with a `radius` [m]: that of the tolerance study."""
+    return 2.0 * MILLIMETRES * _limit(reducer, key, 2.0 * radius, 0.5 * POSITION / MILLIMETRES)
+
+
 def _describe_hole_pattern(centres: Array, radius: float, zone: str, purpose: str, position: float) -> str:
     """Return the note of equal holes or posts on a circle: number, diameter, zone, circle and first angle."""
     circle_diameter = 2.0 * float(np.hypot(*centres.T).mean())
-    first_angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
     size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{in_mm(circle_diameter)}"
-    return f"{size}, the first at {first_angle:.4g}°, position ⌀{position:g} to A ({purpose})"
+    return f"{size}, the first at {first_angle(centres):.4g}°, position ⌀{position:.3g} to A ({purpose})"
