@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from cycloid_mj.life.accuracy_life import wear
     from cycloid_mj.life.checks import check_design as check
     from cycloid_mj.life.datasheet import datasheet_of as datasheet
-    from cycloid_mj.life.thermal import thermal
+    from cycloid_mj.life.heat_and_strength import thermal_of as thermal
     from cycloid_mj.log import read as read_log
     from cycloid_mj.log import write as write_log
     from cycloid_mj.parts.export import export
@@ -145,7 +145,7 @@ _ORIGINS = {
     "stress": "",
     "sweep": "explore.sweeps",
     "tapered_orders": "analysis.spectrum",
-    "thermal": "life.thermal",
+    "thermal": "life.heat_and_strength:thermal_of",
     "tolerance": "explore.tolerances",
     "validate": "",
     "wear": "life.accuracy_life",

@@ -62,7 +62,7 @@ def thermal(
     the torque limits by duty. The JSON has temperatures_c, jam_difference_k, losses_w, thermal_torque_nm and
     time_constant_s; a limit that is never reached is null.
     """
-    from cycloid_mj.life.thermal import thermal as compute
+    from cycloid_mj.life.heat_and_strength import thermal_of
 
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
@@ -73,7 +73,7 @@ def thermal(
             )
         cycle = replace(cycle, period=60.0 * cycle_min)
     destination = claim_destination(output_flags, f"{design.name}-thermal")
-    state = compute(design, cycle)
+    state = thermal_of(design, cycle)
     return deliver(_outcome(state, list(_warnings(state, design, cycle)), destination), destination, output_flags)
 
 
@@ -132,7 +132,7 @@ def _outcome(state: "ThermalState", warnings: list[str], destination: Destinatio
         headline={
             **{part: f"{value:.1f} °C" for part, value in state.temperatures.items()},
             "disc warmer than ring (jams at)": f"{state.difference:.3g} K ({state.jam_difference:.3g} K)",
-            "thermal torque limit": "none" if isinf(state.torque) else f"{state.torque:.4g} N m: {state.limited_by}",
+            "thermal torque limit": "none" if isinf(state.torque) else f"{state.torque:.4g} N m: {state.torque_words}",
             "slowest time constant": f"{state.network.time_constant / 60.0:.3g} min",
         },
         failures=failures,

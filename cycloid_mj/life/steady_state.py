@@ -1,5 +1,6 @@
 """Steady temperatures of the parts of a drive under a duty, where losses, temperatures and clearances agree."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -32,12 +33,17 @@ class ThermalSettings:
         Largest number of iterations.
     hottest
         Temperature at which the iteration ends [°C], the largest that a design file allows: no drive gets so hot.
-    largest
-        Largest multiple of the speed, and of the duty's or the nominal torque, that is searched for a limit.
-    solved
-        Largest multiple of the duty, or of the nominal torque, up to which a limit is corrected with the losses at it.
+    smallest, largest
+        Range of the factor on the speed, and on the larger of the duty's and the nominal torque, that is searched for a
+        limit.
     corrections, resolution
-        Largest number of these corrections, and the relative change of losses and limit at which they end.
+        Largest number of solutions of the losses in the search for a limit, and the relative change of losses and
+        limit at which it ends.
+    slopes, largest_step
+        Range of the slope of rises over factor, both logarithmic, and largest step of the logarithm in this search.
+    runaway_level, levels, level_resolution
+        Level of the temperature rises, relative to those at the limit, at which a steady state below the limit is
+        searched for; range and resolution of the levels if there is such a state.
     approach
         Share of the temperature rises at a limit at which these losses are computed, so that the parts do not yet jam.
     smallest_step
@@ -48,25 +54,26 @@ class ThermalSettings:
         Number of time steps of the warm-up, and its duration divided by the slowest time constant.
     duty_shares
         Shares of the time under load in intermittent duties (S3, IEC 60034-1) whose torque limits are reported.
-    light_load
-        Second load at which losses are computed, relative to the load of the duty, to determine how they grow with the
-        torque. The nominal torque is used instead if it differs from the torque of the duty by more than a factor of 2.
     """
 
     tolerance: float = 0.05
     rounds: int = 40
     hottest: float = 300.0
+    smallest: float = 1e-3
     largest: float = 100.0
-    solved: float = 3.0
-    corrections: int = 8
+    corrections: int = 20
     resolution: float = 0.01
+    slopes: tuple[float, float] = (1.0 / 3.0, 3.0)
+    largest_step: float = math.log(4.0)
+    runaway_level: float = 0.9
+    levels: tuple[float, float] = (0.05, 1.0)
+    level_resolution: float = 0.02
     approach: float = 0.99
     smallest_step: float = 0.125
     crank_angles: int = POSES
     samples: int = 120
     time_constants: float = 4.0
     duty_shares: tuple[float, ...] = (0.15, 0.25, 0.4, 0.6, 1.0)
-    light_load: float = 0.25
 
 
 SETTINGS = ThermalSettings()

@@ -1,7 +1,9 @@
 """Temperatures of a drive under a duty, its warm-up and thermal limits: values, tables and curves."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from cycloid_mj.base.array import Array
@@ -9,7 +11,11 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame, to_json_values
 from cycloid_mj.base.units import RPM
+from cycloid_mj.life.duty import Duty
+from cycloid_mj.life.steady_state import ThermalSettings
+from cycloid_mj.life.thermal_limits import find_duty_torques
 from cycloid_mj.life.thermal_network import Network
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
@@ -53,12 +59,10 @@ class ThermalState(Presented):
     clearances, play
         Clearance of each mating pair, and radial play of the teeth, at these temperatures [m].
     torque, speed
-        Largest output torque [N m] and crank speed [rad/s] that no limit forbids, the other being that of the duty;
-        inf if none does up to `ThermalSettings.largest` times the duty's or the nominal value.
+        Largest output torque [N m] and crank speed [rad/s] that heat allows, the other being that of the duty; inf if
+        none up to `ThermalSettings.largest` times the duty's or the nominal value is too large.
     limited_by
         Limit of that torque, in words.
-    duty_torques
-        Torque limit [N m] if the drive rests for the remaining time, by share of the time.
     times, warm_up
         Times [s] and temperature of each part [°C] after a start from the temperature of the air.
     peaks
@@ -73,8 +77,13 @@ class ThermalState(Presented):
         Whether losses and temperatures agree; false if the parts jam on the way.
     assumptions
         Assumptions, a sentence each.
+    reducer, duty, settings
+        The drive at 20 °C, its duty with rests, and the settings of the computation.
     can_preload
         Whether parts that lose their clearance are preloaded against springs instead of jamming.
+    momentary_torque, bearing_speed
+        Largest output torque of an emergency stop [N m] and largest crank speed [rad/s] of the greased bearings, which
+        do not depend on heat; NaN if they are not known.
     """
 
     design: str
@@ -90,7 +99,6 @@ class ThermalState(Presented):
     torque: float
     speed: float
     limited_by: str
-    duty_torques: Mapping[float, float]
     times: Array
     warm_up: Mapping[str, Array]
     peaks: Mapping[str, float]
@@ -99,7 +107,24 @@ class ThermalState(Presented):
     smallest_play: float
     converged: bool
     assumptions: tuple[str, ...]
+    reducer: Reducer
+    duty: Duty
+    settings: ThermalSettings
     can_preload: bool = False
+    momentary_torque: float = math.nan
+    bearing_speed: float = math.nan
+
+    @cached_property
+    def duty_torques(self) -> Mapping[float, float]:
+        """Torque limit [N m] if the drive rests for the remaining time, by share of the time."""
+        return find_duty_torques(self.reducer, self.duty, self.settings)
+
+    @property
+    def torque_words(self) -> str:
+        """What limits the torque by heat; if parts fail at a smaller torque, also that torque."""
+        if self.torque > self.momentary_torque:
+            return f"{self.limited_by}; by heat alone, the momentary torque is {self.momentary_torque:.4g} N m"
+        return self.limited_by
 
     @property
     def jams_when_steady(self) -> bool:
@@ -113,7 +138,11 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures [°C], their differences [K], tooth play [um], losses [W] and thermal limits, by key."""
+        """Return temperatures [°C], their differences [K], tooth play [um], losses [W] and thermal limits, by key.
+
+        The limits by strength and bearings follow those by heat. Quantities that are not known are left out.
+        """
+        speed_note = ", by heat alone" if self.speed > self.bearing_speed else ""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")
@@ -127,11 +156,15 @@ class ThermalState(Presented):
             Quantity("tooth_play_um", "radial play of the teeth, warm", 1e6 * self.play, "um"),
             Quantity("smallest_tooth_play_um", "the same, smallest in the warm-up", 1e6 * self.smallest_play, "um"),
             Quantity("loss_w", "power lost", sum(self.losses.values()), "W"),
-            Quantity("thermal_torque_nm", f"thermal torque limit: {self.limited_by}", self.torque, "N m"),
-            Quantity("thermal_speed_rpm", "thermal speed limit at the duty's torque", self.speed / RPM, "rpm"),
+            Quantity("thermal_torque_nm", f"thermal torque limit: {self.torque_words}", self.torque, "N m"),
+            Quantity(
+                "thermal_speed_rpm", f"thermal speed limit at the duty's torque{speed_note}", self.speed / RPM, "rpm"
+            ),
+            Quantity("momentary_torque_nm", "momentary torque, by strength alone", self.momentary_torque, "N m"),
+            Quantity("bearing_speed_rpm", "largest speed of the greased bearings", self.bearing_speed / RPM, "rpm"),
             Quantity("time_constant_s", "slowest time constant", self.network.time_constant, "s"),
         ]
-        return {row.key: row for row in rows}
+        return {row.key: row for row in rows if not math.isnan(row.value)}
 
     @property
     def frame(self) -> Frame:
@@ -154,6 +187,8 @@ class ThermalState(Presented):
 
     def tables(self) -> tuple[Table, ...]:
         """Return five tables on the heat of a drive: parts, losses, torque limits by duty, clearances, conductances."""
+        is_usable = not max(self.duty_torques.values()) > self.momentary_torque
+        strength_note = "" if is_usable else f", by heat alone: momentary torque {self.momentary_torque:.4g} N m"
         parts = tuple(
             (part, value, self.peaks[part], self.heat[part], self.network.capacities[part])
             for part, value in self.temperatures.items()
@@ -163,7 +198,7 @@ class ThermalState(Presented):
             Table("Parts", head, parts),
             Table("Losses", ("source", "power [W]"), tuple(self.losses.items())),
             Table(
-                "Thermal torque limit by duty (S3, rest without speed)",
+                f"Thermal torque limit by duty (S3, rest without speed){strength_note}",
                 ("share of the time [%]", "output torque [N m]"),
                 tuple((f"{100.0 * share:g}", torque) for share, torque in self.duty_torques.items()),
             ),

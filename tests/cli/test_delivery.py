@@ -116,7 +116,7 @@ def test_a_page_that_cannot_be_written_is_reported_before_the_work(
     def work(*_: object, **__: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("cycloid_mj.life.thermal.thermal", work)
+    monkeypatch.setattr("cycloid_mj.life.heat_and_strength.thermal_of", work)
     assert main(["thermal", "pin", "--html", str(tmp_path / "missing" / "page.html")]) == 1
     assert f"there is no folder {tmp_path / 'missing'}. Create it" in capsys.readouterr().err
     (tmp_path / "folder.html").mkdir()
