@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from cycloid_mj.base.units import with_unit
 from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 _RATED = "at the nominal torque and speed"
 
@@ -38,6 +38,11 @@ def _has_covers(reducer: Reducer) -> bool:
     from cycloid_mj.parts.export.drive import has_casing
 
     return has_casing(reducer)
+
+
+def _has_output_bearings(reducer: Reducer) -> bool:
+    """Return whether the design has output bearings that fit: with covers, or the main bearings of an RV reducer."""
+    return reducer.main_bearing is not None if isinstance(reducer, RvReducer) else _has_covers(reducer)
 
 
 def _make_catalogue_entries(
@@ -155,7 +160,7 @@ UPPER_FIGURES = (
         ("output_axial_load", "N", "axial load on the output",
          "Axial force on the flange without other loads: a quarter of the static rating of a deep groove bearing; for "
          "other bearings by ISO 281 and ISO 76."),
-    ], _has_covers),
+    ], _has_output_bearings, BOTH),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("life", "h", "life",
          f"Time until the first part fails, without wear, by `cycloid-mj rate`, {_RATED}."),

@@ -10,11 +10,10 @@ from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.mechanics import material_rules
 from cycloid_mj.checks.rule import Rule, evaluate, wall_rule
 from cycloid_mj.checks.teeth import TEETH, tooth_rules
-from cycloid_mj.design import PARTS
+from cycloid_mj.design import PARTS, stock
 from cycloid_mj.geometry.rv import dead_points, meshing_planet_teeth, planet_misfit
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.rv_main_bearings import (
-    list_main_bearings,
     main_bearing_space,
     min_flange_thickness,
 )
@@ -248,7 +247,7 @@ def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     if reducer.cranks.main_bearings == "none":
         return
     space, bearing = main_bearing_space(reducer), reducer.main_bearing
-    outsides = (item.outside for item in list_main_bearings(reducer) if space.fits_inside(item))
+    outsides = (item.outside for item in stock.catalogued_angular_contact_bearings() if space.fits_inside(item))
     min_radius = min(outsides, default=math.inf) / 2.0 + reducer.flange_wall
     has_remedy = bearing is None and math.isfinite(min_radius)
     remedies = ['set cranks.main_bearings to "none"']

@@ -88,10 +88,10 @@ class Cranks(Section):
         le=5000.0,
     )
     flange_thickness: float = quantity(18.0, "thickness of each flange", u.MILLIMETRE, ge=0.01, le=5000.0)
-    main_bearings: Literal["none", "angular_contact", "tapered"] = choice(
+    main_bearings: Literal["none", "angular_contact"] = choice(
         "none",
         "bearings of the carrier in the housing, one on each flange: none; angular_contact, a preloaded pair back to "
-        "back; tapered, such a pair of tapered roller bearings",
+        "back",
     )
 
 

@@ -868,6 +868,11 @@ def crossed_roller_bearings() -> tuple[StockBearing, ...]:
     return tuple(sorted(bearings, key=lambda item: (item.bore, item.outside)))
 
 
+def has_catalogued_ratings(bearing: StockBearing) -> bool:
+    """Return whether the load ratings of an angular contact ball bearing are catalogued, not estimated."""
+    return bearing in catalogued_angular_contact_bearings()
+
+
 def bolt_lengths(thread: float) -> tuple[float, ...]:
     """Return the lengths in stock of screws of a thread [m], the shortest first."""
     shortest, longest = _BOLT_RANGES[round(thread / MM, 3)]

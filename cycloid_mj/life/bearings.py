@@ -9,8 +9,9 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design.lubricants import lubricant
-from cycloid_mj.design.stock import StockBearing, has_inner_ring
+from cycloid_mj.design.stock import StockBearing, has_catalogued_ratings, has_inner_ring
 from cycloid_mj.life import rolling
+from cycloid_mj.life.bearing_pair import balls_of
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
 from cycloid_mj.life.modified_life import (
@@ -20,7 +21,6 @@ from cycloid_mj.life.modified_life import (
     life_factor,
     reference_viscosity,
 )
-from cycloid_mj.life.output_bearing import balls_of
 from cycloid_mj.life.output_loads import output_bearing_loads
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
@@ -150,7 +150,8 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
         )
         yield Bearing(f"shaft_bearing_{position}", bearing_name, shaft_ratings, bodies, bore=2.0 * shaft.radius)
     if has_casing(reducer):
-        ratings, hub = _hub_ratings(reducer), casing(reducer).hub
+        hub = casing(reducer).hub
+        ratings = output_ratings(hub)
         if hub.has_crossed_rollers:
             bearing_name = "crossed roller bearing of the output"
             yield Bearing("output_bearing", bearing_name, ratings, ("output", "housing"), bore=hub.bore)
@@ -268,13 +269,12 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
     return _choose_ratings(stated_ratings, (stock_bearing, 1) if stock_bearing else None, roller_row, "on the shaft")
 
 
-def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings C (dynamic) and C0 (static) of a bearing of the output's hub [N].
+def output_ratings(bearing: StockBearing) -> Ratings:
+    """Return the load ratings C (dynamic) and C0 (static) of a bearing of the output [N], with their sources.
 
-    They are catalogued, except for angular contact bearings, where they are estimated. Each has its source. For a deep
-    groove bearing it also states the rating of its estimated balls by ISO 281, for comparison.
+    They are catalogued, or for angular contact bearings of a central crank estimated. For a deep groove bearing, the
+    source also states the rating of its estimated balls by ISO 281, for comparison.
     """
-    bearing = casing(reducer).hub
     if bearing.has_crossed_rollers:
         source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
@@ -284,6 +284,8 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     balls, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     if bearing.contact_angle:
         source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"
+        if has_catalogued_ratings(bearing):
+            source = f"of IBC's catalogue: {bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
         return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)
     by_iso = rolling.ball_capacity(balls.count, balls.diameter, balls.pitch)
@@ -385,8 +387,8 @@ def _rate_bearing(
     life = rolling.life_hours(
         ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability, ratings.exponent
     )
-    exponent_text = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
-    formula = f"L = a1 (C/P)^{exponent_text}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
+    reliability_factor = rolling.reliability_factor(settings.reliability)
+    formula = f"L = a1 (C/P)^{exponent_text(ratings)}, a1 {reliability_factor:.3g}, ISO 281:2007"
     inner_body, outer_body = bearing.joins
     note = (
         f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {inner_body} and {outer_body}, "
@@ -411,6 +413,11 @@ def _rate_bearing(
         "s0 = C0/P0, ISO 76",
         f"{ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
     )
+
+
+def exponent_text(ratings: Ratings) -> str:
+    """Return the exponent of the life of a bearing as text: 3 of balls, (10/3) of rollers."""
+    return "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
 
 
 def oil_viscosity(reducer: Reducer, pair: str = "cam", temperatures: Mapping[str, float] | None = None) -> float:

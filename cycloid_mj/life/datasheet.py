@@ -277,6 +277,8 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
     }
     groups["Ratings"] += _toleranced_torque_rows(reducer, life)
     groups["Accuracy and stiffness"] += toleranced_error_rows(reducer)
+    if reducer.main_bearing:
+        groups["Output bearing"] = _add_condition_notes(reducer, _output_bearing_rows(reducer))
     groups |= rv_further_groups(reducer)
     advance()
     curves = (
@@ -286,7 +288,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
         *(no_load_curves(reducer) if reducer.design.has_film else ()),
     )
     advance()
-    return groups, curves, rv_notes(life), limits.rated[1]
+    return groups, curves, rv_notes(reducer, life), limits.rated[1]
 
 
 def _add_condition_notes(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:

@@ -1,7 +1,7 @@
-"""Rating of an RV reducer: bearings of the cranks, teeth on pins, and planet teeth."""
+"""Rating of an RV reducer: bearings of the cranks, main bearings, teeth on pins, and planet teeth."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,26 +11,43 @@ from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.base.units import HOUR, RPM
 from cycloid_mj.design import describe_plastic_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
+from cycloid_mj.design.stock import StockBearing
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.life import rolling
-from cycloid_mj.life.bearings import Ratings, RollerRow, oil_viscosity, rate_modified_life
+from cycloid_mj.life.bearings import (
+    Ratings,
+    RollerRow,
+    bearing_load,
+    exponent_text,
+    oil_viscosity,
+    output_ratings,
+    rate_modified_life,
+)
 from cycloid_mj.life.duty import Duty, describe_condition, turning_points
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
+from cycloid_mj.life.output_loads import equivalent_load, preload
 from cycloid_mj.life.pitting_factors import factors_of_contact, mean_speed_and_radius
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.film import CRANK_TAPER
+from cycloid_mj.reducer.rv_main_bearings import main_bearing_load_centre
+from cycloid_mj.statics.bearings import Planes
+from cycloid_mj.statics.film import CRANK_TAPER, MAIN_BEARING
 from cycloid_mj.statics.rv_sheet import film_over_turn, ideal_rv, solve_running_equilibrium, springs_over_turn
 
 TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 """Assumed rollers of a tapered bearing; lengths over its outer diameter."""
 
 
+MAIN_BEARINGS = {"inner": "next to the planets", "outer": "away from the planets"}
+"""Position of a main bearing in the key of its items -> words."""
+
+
 @dataclass(frozen=True)
 class _Row:
-    """A kind of crank bearing: its key, name and pair of `lubricant_temperature`, load ratings, and forces [N].
+    """A kind of bearing: its key, name and pair of `lubricant_temperature`, load ratings, and forces [N].
 
-    The forces at each torque have the shape (m, bearings).
+    The forces at each torque have the shape (m, bearings). `spin` is its speed over that of the crank bearings [1], and
+    `load_text` describes the forces.
     """
 
     key: str
@@ -38,14 +55,16 @@ class _Row:
     pair: str
     ratings: Ratings
     forces: tuple[Array, ...]
+    spin: float = 1.0
+    load_text: str = "radial forces only"
 
 
 def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[str, float] | None = None) -> Rating:
-    """Rate an RV reducer over a duty cycle for a life [h]: life and safety of crank bearings, cycloid and planet teeth.
+    """Rate an RV reducer over a duty cycle for a life [h]: life and safety of bearings, cycloid and planet teeth.
 
-    The speeds of the duty are speeds of the sun. Crank bearings carry the larger of the forces of ideal load sharing
-    and of the static equilibrium with clearances and errors. `temperatures` of the parts [°C] determine the viscosity
-    of the oil in the bearings; by default they are those of the design.
+    The speeds of the duty are speeds of the sun. Crank and main bearings carry the larger of the forces of ideal load
+    sharing and of the static equilibrium with clearances and errors. `temperatures` of the parts [°C] determine the
+    viscosity of the oil in the bearings; by default they are those of the design.
 
     Raises
     ------
@@ -62,12 +81,12 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
     rated_items = [
         *(
             rated_item
-            for bearing_row in _crank_bearing_rows(reducer, torques)
+            for bearing_row in _bearing_rows(reducer, torques)
             for rated_item in _rate_bearing(
                 reducer,
                 bearing_row,
                 torques,
-                weighted_crank_speeds,
+                bearing_row.spin * weighted_crank_speeds,
                 duty.peak,
                 sum(point.share for point in duty_points),
                 oil_viscosity(reducer, bearing_row.pair, temperatures),
@@ -81,13 +100,13 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
     return Rating(reducer.design.name, condition, life, items_by_margin, assumptions, None, 0.0, reducer.parts_text)
 
 
-def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield the crank bearings in the discs, then those in the flanges, with load ratings and forces [N].
+def _bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
+    """Yield the crank bearings in discs and flanges, and the main bearings, if any, with load ratings and forces [N].
 
     Forces are those under each of `torques` [N m], shape (points,), the output torques at the points of a duty cycle.
     """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
-    forces = [_crank_forces(reducer, float(torque)) for torque in torques]
+    forces = [crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     flange_bearing_forces = tuple(flange_forces(reducer, force) for force in forces)
     yield _Row(
@@ -112,6 +131,52 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         ),
         flange_bearing_forces,
     )
+    yield from _main_bearing_rows(reducer, forces)
+
+
+def _main_bearing_rows(reducer: RvReducer, forces: Sequence[Array]) -> Iterator[_Row]:
+    """Yield both main bearings with load ratings and equivalent loads [N]; none if the design has no main bearings.
+
+    `forces` are those of the n cranks on the D discs at m crank angles [N], shape (m, D, n, 2), at each torque.
+    """
+    bearing = reducer.main_bearing
+    if bearing is None:
+        return
+    by_torque = [main_bearing_forces(reducer, bearing, force) for force in forces]
+    for index, (position, text) in enumerate(MAIN_BEARINGS.items()):
+        loads = (equivalent_load(bearing, rolling.magnitudes(pair[index]))[:, np.newaxis] for pair in by_torque)
+        yield _Row(
+            f"output_bearing_{position}",
+            f"main bearing {text}",
+            MAIN_BEARING,
+            output_ratings(bearing),
+            tuple(loads),
+            1.0 / float(reducer.kinematics.bearing_turns),
+            f"forces of the discs and preload {preload(bearing):.3g} N",
+        )
+
+
+def main_bearing_forces(reducer: RvReducer, bearing: StockBearing, disc_forces: Array) -> tuple[Array, Array]:
+    """Compute the radial forces [N] on the main bearings at m crank angles, next to the planets and away from them.
+
+    The carrier is a beam on two supports, in the load centres of both bearings. The planets are not included: their
+    forces on equally loaded cranks cancel.
+
+    Parameters
+    ----------
+    bearing
+        Main bearing on each flange.
+    disc_forces
+        Forces between the n cranks and the D discs [N], shape (m, D, n, 2).
+
+    Returns
+    -------
+    tuple of Array
+        Forces on both bearings [N], shape (m, 2) each.
+    """
+    load_centre = main_bearing_load_centre(reducer, bearing)
+    planes = Planes(disc_forces.sum(axis=2), np.array(reducer.design.gear.disc_planes))
+    return planes.reactions_at(-load_centre, load_centre)
 
 
 def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> Ratings:
@@ -120,7 +185,7 @@ def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> R
     `row_text` describes the rollers.
     """
     source = "of the design file (bearing.*_capacity_n)" if stated[0] else f"assumed: {row_text}"
-    return Ratings(stated[0] or row.dynamic, stated[1] or row.static, source, source, row.pitch)
+    return Ratings(stated[0] or row.dynamic, stated[1] or row.static, f"C {source}", f"C0 {source}", row.pitch)
 
 
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
@@ -135,7 +200,7 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
     )
 
 
-def _crank_forces(reducer: RvReducer, torque: float) -> Array:
+def crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
 
     The forces follow from ideal load sharing or from the static equilibrium, whichever has the larger mean. `torque` [N
@@ -177,26 +242,28 @@ def _rate_bearing(
     a known kinematic `viscosity` of the oil [m2/s]; it is 0 if unknown.
     """
     settings = reducer.design.bearing
-    mean_loads = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
-    load = settings.service_factor * rolling.mean_load(mean_loads, weighted_speeds)
-    life = rolling.life_hours(bearing_row.ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability)
+    ratings = bearing_row.ratings
+    load = bearing_load(reducer, bearing_row.forces, weighted_speeds, ratings.exponent)
+    life = rolling.life_hours(
+        ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability, ratings.exponent
+    )
     yield RatedItem(
         bearing_row.key,
         f"{bearing_row.name}, life",
         load,
-        bearing_row.ratings.dynamic,
+        ratings.dynamic,
         "N",
         None,
         life,
-        f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a turn of the "
-        "carrier, ISO 281:2007",
-        f"C {bearing_row.ratings.dynamic_source}, service factor {settings.service_factor:g}; "
+        f"L = a1 (C/P)^{exponent_text(ratings)}, a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a "
+        "turn of the carrier, ISO 281:2007",
+        f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; "
         f"{float(weighted_speeds.sum()) / RPM:.4g} rpm mean speed; "
-        "radial forces only",
+        f"{bearing_row.load_text}",
         ItemKind.BEARING,
     )
     if viscosity:
-        key, name, ratings = bearing_row.key, bearing_row.name, bearing_row.ratings
+        key, name = bearing_row.key, bearing_row.name
         speed = float(weighted_speeds.sum()) / running_share
         yield rate_modified_life(key, name, ratings, viscosity, settings.cleanliness, load, life, speed)
     peak_force = peak_torque * max(
@@ -206,13 +273,12 @@ def _rate_bearing(
         f"{bearing_row.key}_static",
         f"{bearing_row.name}, static factor",
         peak_force,
-        bearing_row.ratings.static,
+        ratings.static,
         "N",
-        bearing_row.ratings.static / peak_force,
+        ratings.static / peak_force,
         None,
         "s0 = C0/P0, ISO 76",
-        f"C0 {bearing_row.ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to "
-        "the torque",
+        f"{ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
         ItemKind.BEARING,
     )
 
@@ -379,6 +445,6 @@ def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield (
         "not rated: strength of cranks, discs and tooth roots (`cycloid-mj stress`), wear (`cycloid-mj wear`), "
-        "strength of the carrier, and main bearings"
+        + ("and strength of the carrier" if reducer.main_bearing else "strength of the carrier, and main bearings")
     )
     yield from describe_plastic_limits(reducer.design)

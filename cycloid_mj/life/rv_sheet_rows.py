@@ -43,8 +43,8 @@ ERROR_SAMPLES = 2_000
 
 NOT_COMPUTED = (
     "Not computed: acceleration torque, back-driving torques and hysteresis loss; strength of discs, cranks and tooth "
-    "roots (`cycloid-mj stress`), of carrier, posts and screws; load ratings, stiffness, preload and run-out of the "
-    "main bearings; speed limits of bearings and planets; churning of the grease."
+    "roots (`cycloid-mj stress`), of carrier, posts and screws; {} of the main bearings; speed limits of bearings and "
+    "planets; churning of the grease."
 )
 """Note of the data sheet on the figures of a central crank that it does not have for an RV reducer."""
 
@@ -260,7 +260,7 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
         "Mass of the mechanism",
         rv_mass(reducer),
         "kg",
-        note="without main bearings, screws, grease and the shaft of the sun",
+        note=f"without {'' if reducer.main_bearing else 'main bearings, '}screws, grease and the shaft of the sun",
     )
     inertia = KG_CM2 * input_inertia(reducer)
     note = "at the sun; without its shaft, needles and motor"
@@ -332,11 +332,14 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     )
 
 
-def rv_notes(life: float) -> tuple[str, ...]:
+def rv_notes(reducer: RvReducer, life: float) -> tuple[str, ...]:
     """Return the assumptions on which the torques of an RV data sheet are based, for a life [h], a sentence each."""
+    missing = (
+        "friction by preload and run-out" if reducer.main_bearing else "load ratings, stiffness, preload and run-out"
+    )
     return (
         f"Rated torque: limited by crank bearings (ISO 281, 90 %) and pitting of cycloid teeth and sun for {life:g} h, "
         "and by the momentary torque; heat and wear are left out. Momentary torque (emergency stop): limited by dents "
         "in the crank bearings (ISO 76) and first yield of the cycloid teeth, with a safety factor of 1.",
-        NOT_COMPUTED,
+        NOT_COMPUTED.format(missing),
     )

@@ -154,7 +154,8 @@ def _middle_hole(reducer: RvReducer) -> tuple[CircleContour, ...]:
 @once
 def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return the parts of an RV reducer by name, each once and in its own frame; computed once for each reducer."""
-    require_main_bearings(reducer)
+    if reducer.cranks.main_bearings != "none":
+        require_main_bearings(reducer)
     parts = [_rv_housing(reducer), *_rv_discs(reducer), *_crank_and_gears(reducer), *_carrier_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
         parts.append(_rv_pin(reducer))

@@ -68,17 +68,10 @@ def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
     )
 
 
-def list_main_bearings(reducer: "RvReducer") -> tuple[stock.StockBearing, ...]:
-    """List the stock bearings of the type that the design requires, the smallest first; empty without main bearings."""
-    kinds = {"angular_contact": stock.catalogued_angular_contact_bearings, "tapered": stock.tapered_bearings}
-    kind = reducer.cranks.main_bearings
-    return kinds[kind]() if kind in kinds else ()
-
-
 def choose_main_bearing(reducer: "RvReducer") -> stock.StockBearing | None:
-    """Return the largest bearing that fits between flange and housing; None without main bearings or if none fits."""
-    space = main_bearing_space(reducer)
-    return next((bearing for bearing in reversed(list_main_bearings(reducer)) if space.fits(bearing)), None)
+    """Return the largest stock bearing that fits between flange and housing; None if none fits."""
+    space, bearings = main_bearing_space(reducer), stock.catalogued_angular_contact_bearings()
+    return next((bearing for bearing in reversed(bearings) if space.fits(bearing)), None)
 
 
 def main_bearing_ends(reducer: "RvReducer", bearing: stock.StockBearing) -> tuple[float, float]:
@@ -103,14 +96,14 @@ def min_flange_thickness(reducer: "RvReducer", bearing: stock.StockBearing) -> f
     return bearing.width + reducer.flange_wall
 
 
-def require_main_bearings(reducer: "RvReducer") -> None:
-    """Raise DesignError if the design has main bearings that do not fit; `design check` states what to change."""
+def require_main_bearings(reducer: "RvReducer") -> stock.StockBearing:
+    """Return the main bearing on each flange; raise DesignError if the design has none, or none that fits."""
     if reducer.cranks.main_bearings == "none":
-        return
+        raise DesignError(f'{reducer.design.name} has no main bearings: set cranks.main_bearings to "angular_contact"')
     bearing, thickness = reducer.main_bearing, reducer.cranks.flange_thickness
     if bearing is None:
         raise DesignError(
-            f'no bearing of the type cranks.main_bearings = "{reducer.cranks.main_bearings}" in stock has '
+            f'no stock bearing fits cranks.main_bearings = "{reducer.cranks.main_bearings}": it needs '
             f"{main_bearing_space(reducer)}"
         )
     if reducer.design.ring.has_sleeves:
@@ -123,3 +116,4 @@ def require_main_bearings(reducer: "RvReducer") -> None:
             f"cranks.flange_thickness_mm = {in_mm(thickness)} is too small for the main bearing {bearing.designation} "
             f"and its shoulder: set it to at least {in_mm(min_flange_thickness(reducer, bearing))}"
         )
+    return bearing

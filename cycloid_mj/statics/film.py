@@ -516,12 +516,17 @@ class RollerBearings:
 def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings, RollerBearings]:
     """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer, in this order.
 
-    The mean diameter of a tapered bearing is the mean of journal and outer ring. The design has no dimensions of the
-    main bearings: one is assumed on each flange, with its rollers midway between flange and pin circle.
+    The mean diameter of a tapered bearing is the mean of journal and outer ring. If the design has no main bearings,
+    one is assumed on each flange, with its rollers midway between flange and pin circle.
     """
     cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
     taper_diameter = reducer.journal_radius + cranks.taper_radius
-    main_diameter = reducer.flange_radius + reducer.design.ring.pin_circle_radius
+    main_bearing = reducer.main_bearing
+    main_diameter = (
+        0.5 * (main_bearing.bore + main_bearing.outside)
+        if main_bearing
+        else reducer.flange_radius + reducer.design.ring.pin_circle_radius
+    )
     return (
         RollerBearings(CRANK_BEARING, cranks.count * discs, 2.0 * reducer.needle_circle_radius, speed),
         RollerBearings(CRANK_TAPER, 2 * cranks.count, taper_diameter, speed),
@@ -577,7 +582,7 @@ def seal_torques(reducer: Reducer) -> tuple[float, float]:
         Torques of the seals on the shaft and on the hub of the output [N m].
     """
     if isinstance(reducer, RvReducer):
-        return 0.0, seal_torque(2.0 * reducer.flange_radius)
+        return 0.0, seal_torque(2.0 * reducer.flange_outer_radius)
     from cycloid_mj.parts.export.casing import casing
     from cycloid_mj.parts.export.drive import has_casing
 
