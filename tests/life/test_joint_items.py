@@ -63,6 +63,27 @@ def test_flange_of_pin_slips_at_the_torque_computed_by_hand() -> None:
     assert "0.10 to 0.20" in item.note, "the spread by the assumed friction is stated"
 
 
+def test_a_ring_that_the_screws_pass_outside_of_slips_or_shears_its_dowels() -> None:
+    """It is clamped by n F at its mean radius, friction 0.15; the larger of this torque and that of dowels counts."""
+    reducer, joints = Reducer(resolve("printed")), joints_of("printed")
+    assert casing(reducer).screws.outside
+    cover = next(each for each in screwed_joints(reducer) if each.joint.name == "screws of the covers")
+    radius = 0.5 * (reducer.design.ring_root_radius + reducer.design.housing.outer_radius)
+    slip, item = cover.count * cover.preload * 0.15 * radius, joints["joint_ring"]
+    dowels = [each["limit"] for each in joints.values() if each["name"].startswith("dowels of motor cover")]
+    assert item["limit"] == pytest.approx(max(slip, *dowels), rel=1e-6)
+    assert item["value"] == pytest.approx(2.0 * reducer.design.rated_torque * 14.0 / 13.0)
+
+
+def test_ring_pins_in_a_plastic_are_glued_with_epoxy() -> None:
+    """Half of a pin, 0.5 pi d l 3 MPa d/2: a retaining compound needs metal to cure."""
+    design, item = resolve("printed"), joints_of("printed")["joint_ring_pin_glue"]
+    radius, length = design.ring.pin_radius, design.gear.stack_width
+    assert item["limit"] == pytest.approx(0.5 * math.pi * 2.0 * radius * length * 3e6 * radius)
+    assert "two-part epoxy" in item["note"]
+    assert "3 N/mm2" in item["source"]
+
+
 def test_plastics_limit_the_preload_by_inserts_and_heads() -> None:
     each = next(each for each in screwed_joints(Reducer(resolve("printed"))) if "output flange" in each.joint.name)
     by_mechanism = {limit.mechanism: limit.preload for limit in each.limits}

@@ -1,11 +1,12 @@
 """Torque without load: viscosity, bearings and seals against worked values, over speed and temperature."""
 
+import numpy as np
 import pytest
 
 from cycloid_mj.design import resolve
 from cycloid_mj.figures import quantity
 from cycloid_mj.life.no_load import GREASE, no_load_torque
-from cycloid_mj.life.sheet_rows import torques_without_load
+from cycloid_mj.life.sheet_rows import no_load_curves, torques_without_load
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import sheet
@@ -40,6 +41,21 @@ def test_no_load_torque_grows_with_speed_and_falls_with_temperature() -> None:
     assert warm.total < fast.total
     assert fast.low < fast.total < fast.high
     assert 0.02 < no_load_torque(reducer, 0.0, 20.0).total < slow.total
+
+
+def test_curves_of_a_data_sheet_are_over_speed_at_two_temperatures() -> None:
+    """A tenth to one and a half times the design's speed, at 20 and 60 °C; their points are those of the rows."""
+    reducer = Reducer(resolve("pin", {"friction.law": "film"}))
+    cold, warm = no_load_curves(reducer)
+    assert (cold.name, warm.name) == ("20 °C", "60 °C")
+    speed = abs(reducer.design.drive.speed) / RPM
+    assert cold.x == pytest.approx([share * speed for share in (0.1, 0.25, 0.5, 0.75, 1.0, 1.5)])
+    assert np.all(np.diff(cold.y) > 0.0)
+    assert np.all(np.diff(warm.y) > 0.0)
+    assert np.all(warm.y < cold.y)
+    rows = {row.key: row.value for row in torques_without_load(reducer, sheet(reducer, reducer.design.rated_torque))}
+    assert cold.y[4] == pytest.approx(rows["running_torque_cold"], rel=1e-6)
+    assert warm.y[4] == pytest.approx(rows["running_torque_warm"], rel=1e-6)
 
 
 def test_drag_of_the_design_replaces_the_seals() -> None:
