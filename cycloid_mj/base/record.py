@@ -220,7 +220,7 @@ class Run(Presented):
                 f"cannot select samples of {self.label} by an array of type {rows.dtype} and shape {rows.shape}: use a "
                 f"slice, or a mask of type bool and shape {self.time.shape}"
             )
-        columns = {name: own(values[rows]) for name, values in self.columns.items()}
+        columns = {name: own(column[rows]) for name, column in self.columns.items()}
         return replace(self, time=own(self.time[rows]), columns=columns)
 
 

@@ -147,8 +147,8 @@ def cam_force(
     """
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
     radial_force = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
-    outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
-    resultant = radial_force[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
+    outward_axis, forward_axis = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
+    resultant = radial_force[..., np.newaxis] * outward_axis + ring.eccentric_tangential[..., np.newaxis] * forward_axis
     return resultant - np.asarray(body_force, float)
 
 

@@ -131,19 +131,19 @@ def _crank_forces(
         Whether the cranks also have equal torques.
     """
     crank_centres, eccentrics = stage.crank_positions(crank_angles), stage.eccentrics(crank_angles)
-    (count, discs, _), cranks = disc_force.shape, stage.cranks
+    (angle_count, discs, _), cranks = disc_force.shape, stage.cranks
     equations = 3 * discs + (cranks - 1) * floating_sun
-    matrix, right_side = np.zeros((count, equations, discs, cranks, 2)), np.zeros((count, equations))
+    matrix, right_side = np.zeros((angle_count, equations, discs, cranks, 2)), np.zeros((angle_count, equations))
     for disc in range(discs):
         matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
         matrix[:, 3 * disc + 2, disc] = quarter_turned(crank_centres) / stage.radius
         right_side[:, 3 * disc : 3 * disc + 2] = -disc_force[:, disc]
         right_side[:, 3 * disc + 2] = -disc_torque / stage.radius
-    for row, other_crank in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
-        matrix[:, row, :, 0] = quarter_turned(eccentrics)
-        matrix[:, row, :, other_crank] = -quarter_turned(eccentrics)
-    flat_matrix = matrix.reshape(count, equations, -1)
-    return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(count, discs, cranks, 2)
+    for equation, other_crank in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
+        matrix[:, equation, :, 0] = quarter_turned(eccentrics)
+        matrix[:, equation, :, other_crank] = -quarter_turned(eccentrics)
+    flat_matrix = matrix.reshape(angle_count, equations, -1)
+    return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(angle_count, discs, cranks, 2)
 
 
 def mean_force(forces: Array) -> float:
@@ -210,10 +210,10 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     perpendicular = quarter_turned(stage.eccentrics(crank_angles))
-    tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
+    tangential_shift = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
     along_orbits = stage.gear.eccentricity * phase_error[:, np.newaxis, :, np.newaxis] * perpendicular[:, :, np.newaxis]
     displacements = misfit + along_orbits
     disc_rotation = np.einsum("mdnj,mnj->md", displacements, quarter_turned(stage.crank_positions(crank_angles)))
     disc_rotation /= stage.cranks * stage.radius**2
-    disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
+    disc_errors = tangential_shift / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up

@@ -106,7 +106,7 @@ class BreakAway:
     def note(self) -> str:
         """Return a sentence on the break-away torque: its range over all starts from rest, or why it is uncertain."""
         if self.spread is None:
-            max_torque = max(start.max_torque for start in self.starts)
+            max_torque = max(start_test.max_torque for start_test in self.starts)
             turn_text = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
             driven = self.run.driven_shaft
             return (
@@ -167,10 +167,10 @@ def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
     `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     for growth in START.growths:
-        start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)
-        if start.torque + start.error < start.max_torque:
+        start_test = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)
+        if start_test.torque + start_test.error < start_test.max_torque:
             break
-    return start
+    return start_test
 
 
 def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> StartFromRest:

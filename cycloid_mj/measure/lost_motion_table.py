@@ -89,10 +89,10 @@ def _mean_quantity(
         Closed form that approximates the values, for the sampling error of the mean over the turn.
     """
     reference = float(np.mean(reference_values)) if len(reference_values) else None
-    values = [read_value(loop) for loop in loops]
-    error = add_errors(_numerical_error(read_value, loops, check_loops), error_of_mean(values, closed_form))
+    loop_values = [read_value(loop) for loop in loops]
+    error = add_errors(_numerical_error(read_value, loops, check_loops), error_of_mean(loop_values, closed_form))
     return Quantity(
-        key, name, float(np.mean(values)), unit, error, reference, source if len(reference_values) else "", note
+        key, name, float(np.mean(loop_values)), unit, error, reference, source if len(reference_values) else "", note
     )
 
 
@@ -116,8 +116,8 @@ def _extreme_quantities(
     first angle with other settings, for the numerical error. The keys and names of both quantities begin with `key` and
     `name`. `closed_form` approximates the values, for the sampling error.
     """
-    values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
-    return list(extreme_quantities(key, name, values, numerical, unit, closed_form=closed_form))
+    loop_values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
+    return list(extreme_quantities(key, name, loop_values, numerical, unit, closed_form=closed_form))
 
 
 def lost_motion(loop: HysteresisLoop) -> float:

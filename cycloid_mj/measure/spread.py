@@ -155,12 +155,12 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of the law ``film`` with ranges: boundary friction, roughness, friction of needles."""
     friction = reducer.design.friction
     inputs = []
-    for key, factor_range, value, unit, scale in (
+    for key, factor_range, design_value, unit, unit_factor in (
         ("boundary", boundary_range(reducer), friction.boundary, "1", 1.0),
         ("roughness", RANGES["roughness"], friction.roughness, "um", 1e6),
     ):
-        limits = [factor * value for factor in (factor_range.low, factor_range.high)]
-        inputs.append(_equal_input(reducer, factor_range.name, unit, "friction", [key], limits, scale))
+        limits = [factor * design_value for factor in (factor_range.low, factor_range.high)]
+        inputs.append(_equal_input(reducer, factor_range.name, unit, "friction", [key], limits, unit_factor))
     if reducer.design.output.has_needles and not isinstance(reducer, RvReducer):
         inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
     return inputs

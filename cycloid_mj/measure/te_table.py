@@ -184,7 +184,7 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
         }
     for shaft in ("gear", "output"):
         for key, (shift_name, minuend, subtrahend) in pairs.items():
-            value, reference = (
+            shift, reference = (
                 float(
                     np.mean(getattr(source[by_load_and_direction[minuend]], shaft))
                     - np.mean(getattr(source[by_load_and_direction[subtrahend]], shaft))
@@ -200,7 +200,7 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
                 else None
             )
             name = f"mean of the {shaft}, {shift_name}"
-            yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
+            yield Quantity(f"{shaft}_{key}", name, shift, "arcsec", error, reference, STATICS)
 
 
 def _cause_quantities(

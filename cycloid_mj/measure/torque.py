@@ -84,7 +84,7 @@ def torque(
     later_runs = 1 + len(published)
     tests = all_in_threads(tasks, lambda finished, task_count: progress(finished, task_count + later_runs))
     design_test, finer_test = tests["own"], tests.get("halved")
-    rates = {key: test.powers.efficiency for key, test in tests.items()}
+    rates = {key: rated_test.powers.efficiency for key, rated_test in tests.items()}
     by_variant, by_input = {variant: rates[variant] for variant in variants}, spread.input_effects(varied_inputs, rates)
     design_at_output_torque = steady_reducer.but(load={"torque": design_test.output})
     with suppress_warnings(tuple(creep_warning(design_at_output_torque))):

@@ -148,8 +148,8 @@ def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float)
     crank_angle = reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])[ascending_order]
     angle_count = round(TRACE.samples * reducer.mesh_periods * turns)
     span = 2.0 * np.pi * turns
-    start = 0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns) - span
-    angles = start + span * np.arange(angle_count) / angle_count
+    start_angle = 0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns) - span
+    angles = start_angle + span * np.arange(angle_count) / angle_count
     # linear interpolation would lose 2.6 % of the third harmonic of the mesh
     shaft_twist = wind_up(reducer) * run["load_torque"]
     errors = (gear_error(run, reducer), output_error(run, reducer) + shaft_twist)

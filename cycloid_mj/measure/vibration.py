@@ -171,14 +171,14 @@ def _level_quantities(
     for run in runs:
         half_step_run = half_step_runs.get(run.load)
         for key, (name, unit) in all_signals.items():
-            value, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
-            error = None if error is None else max(error, abs(rms(run.signals[key][: len(run.crank) // 2]) - value))
+            level, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
+            error = None if error is None else max(error, abs(rms(run.signals[key][: len(run.crank) // 2]) - level))
             reference, source = (
                 (run.rms("momentum"), f"m a of disc and {shaft_word}") if key == "housing" else (None, "")
             )
             note = _NOTE if key == "housing" else ""
             level_name = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
-            yield Quantity(f"{key}_rms_{run.load}", level_name, value, unit, error, reference, source, note)
+            yield Quantity(f"{key}_rms_{run.load}", level_name, level, unit, error, reference, source, note)
         for key in _spectrum_keys(reducer):
             name, _ = all_signals[key]
             level_name = f"share of the power of the {name} above {5e-4 * run.rate:.3g} kHz, {run.load}"

@@ -125,19 +125,19 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
         signals["housing_bare"] = without_counterweight(run, reducer, force)
     decimated_signals = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in signals.items()}
     first_row = int(np.searchsorted(run.time[::stride], settling_time))
-    rows = slice(first_row, first_row + round(turns * 2.0 * np.pi / abs(crank_speed) / (stride * interval)))
-    sampled_rows = slice(stride * rows.start, stride * rows.stop)
+    window_rows = slice(first_row, first_row + round(turns * 2.0 * np.pi / abs(crank_speed) / (stride * interval)))
+    sampled_rows = slice(stride * window_rows.start, stride * window_rows.stop)
     return VibrationRun(
         load=load,
         speed=speed,
         crank_speed=crank_speed,
-        crank=np.abs(reducer.member.crank_angle(run[f"{reducer.INPUT}_angle"][::stride][rows])),
-        signals={key: _remove_mean(key, signal[rows]) for key, signal in decimated_signals.items()},
-        orbit=rms(decimate(first_acceleration, stride, means=True)[rows]),
+        crank=np.abs(reducer.member.crank_angle(run[f"{reducer.INPUT}_angle"][::stride][window_rows])),
+        signals={key: _remove_mean(key, signal[window_rows]) for key, signal in decimated_signals.items()},
+        orbit=rms(decimate(first_acceleration, stride, means=True)[window_rows]),
         rate=1.0 / (stride * interval),
         sampled_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in signals.items()},
         sampled_rate=1.0 / interval,
-        mean_force=decimated_signals["housing"][rows].mean(axis=0),
+        mean_force=decimated_signals["housing"][window_rows].mean(axis=0),
         run=_decimate_run(run, stride),
     )
 

@@ -180,11 +180,11 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
 
     The clearances of needle bearing and tapered bearing are included in the radius of the bores.
     """
-    design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
-    error_shape, crank_bodies, disc_name = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
+    design, errors, crank_count = reducer.design, reducer.crank_errors, reducer.cranks.count
+    error_shape, crank_bodies, disc_name = (design.gear.discs, crank_count), crank_names(reducer), reducer.gears[disc]
 
     def numbered_names(stem: str) -> tuple[str, ...]:
-        return tuple(names.of_disc(name, disc, design.gear.discs) for name in names.all_numbered(stem, count))
+        return tuple(names.of_disc(name, disc, design.gear.discs) for name in names.all_numbered(stem, crank_count))
 
     bore_error = np.stack(
         [expanded(errors.bore_x, error_shape)[disc], expanded(errors.bore_y, error_shape)[disc]], axis=-1
@@ -212,7 +212,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
         design.gear.eccentricity,
         radius,
         eccentric_error,
-        np.full(count, -reducer.phases[disc]),
+        np.full(crank_count, -reducer.phases[disc]),
         disc=disc,
     )
     return Mating(names.CRANK_BEARING, numbered_names(names.CRANK), bores, eccentrics, disc)
@@ -220,15 +220,15 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
     """Return the pairs of the sun and the planets; run-out displaces a planet's teeth from the axis of its crank."""
-    count, errors = reducer.cranks.count, reducer.crank_errors
+    crank_count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
-    runout = np.stack([expanded(errors.planet_x, (count,)), expanded(errors.planet_y, (count,))], axis=-1)
+    runout = np.stack([expanded(errors.planet_x, (crank_count,)), expanded(errors.planet_y, (crank_count,))], axis=-1)
     sun_surfaces = surfaces_on_circle(
         (names.column(names.SUN, names.TEETH),), names.SUN, Role.SUN, 0.0, sun_gear.tip_radius
     )
-    planet_names = names.all_numbered(names.PLANET, count)
+    planet_names = names.all_numbered(names.PLANET, crank_count)
     planet_surfaces = surfaces_on_circle(
-        planet_names, crank_names(reducer), Role.PLANET, 0.0, planet_gear.tip_radius, runout, np.zeros(count)
+        planet_names, crank_names(reducer), Role.PLANET, 0.0, planet_gear.tip_radius, runout, np.zeros(crank_count)
     )
     return Mating(names.PLANET_MESH, planet_names, sun_surfaces, planet_surfaces)
 

@@ -59,13 +59,13 @@ def boundary_range(reducer: Reducer) -> InputRange:
     softer_material = min(materials, key=lambda material: material.youngs_modulus)
     if not softer_material.is_plastic:
         return RANGES["boundary"]
-    low, high = greased_friction(softer_material.name)
-    mean_friction = 0.5 * (low + high)
+    min_friction, max_friction = greased_friction(softer_material.name)
+    mean_friction = 0.5 * (min_friction + max_friction)
     return replace(
         RANGES["boundary"],
-        low=low / mean_friction,
-        high=high / mean_friction,
-        reason=f"{low:g} to {high:g}: greased {softer_material.name}",
+        low=min_friction / mean_friction,
+        high=max_friction / mean_friction,
+        reason=f"{min_friction:g} to {max_friction:g}: greased {softer_material.name}",
     )
 
 

@@ -98,13 +98,13 @@ def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: f
     rotation of the disc.
     """
     arms = np.maximum(arms, 0.0)
-    lower = np.zeros(len(arms))
-    upper = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
+    low_turn = np.zeros(len(arms))
+    high_turn = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
     for _ in range(50):  # bisection to rounding
-        rotation = 0.5 * (lower + upper)
+        rotation = 0.5 * (low_turn + high_turn)
         is_above = np.sum(arms * stiffness * np.maximum(arms * rotation[:, np.newaxis] - play, 0.0), axis=1) > torque
-        lower, upper = np.where(is_above, lower, rotation), np.where(is_above, rotation, upper)
-    return np.asarray(stiffness * np.maximum(arms * upper[:, np.newaxis] - play, 0.0))
+        low_turn, high_turn = np.where(is_above, low_turn, rotation), np.where(is_above, rotation, high_turn)
+    return np.asarray(stiffness * np.maximum(arms * high_turn[:, np.newaxis] - play, 0.0))
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:

@@ -168,8 +168,8 @@ def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array
     branches = locked_branches(curve, elements, path[end_indices].tolist())
     return np.concatenate(
         [
-            np.interp(path[start + 1 : end + 1], *_by_increasing_torque(branch))
-            for (start, end), branch in zip(pairwise(end_indices), branches, strict=True)
+            np.interp(path[start_index + 1 : end_index + 1], *_by_increasing_torque(branch))
+            for (start_index, end_index), branch in zip(pairwise(end_indices), branches, strict=True)
         ]
     )
 

@@ -43,17 +43,17 @@ def preloaded(design: Named) -> Design:
     def torque_residual(angle: float) -> float:
         return halves_torque(Reducer(rotate_halves(angle))) - torque
 
-    upper = ARCMINUTE
+    angle_bound = ARCMINUTE
     try:
-        while (residual := torque_residual(upper)) < 0.0:
-            if upper == MAX_ANGLE:
+        while (residual := torque_residual(angle_bound)) < 0.0:
+            if angle_bound == MAX_ANGLE:
                 raise DesignError(
                     f"{design.name}: ring.preload_torque_nm = {torque:g} is too large: the largest preload angle, "
-                    f"{upper / ARCMINUTE:g} arcmin, produces only {torque + residual:.4g} N m. Reduce the torque to "
-                    "less than this"
+                    f"{angle_bound / ARCMINUTE:g} arcmin, produces only {torque + residual:.4g} N m. Reduce the torque "
+                    "to less than this"
                 )
-            upper = min(2.0 * upper, MAX_ANGLE)
-        angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
+            angle_bound = min(2.0 * angle_bound, MAX_ANGLE)
+        angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, angle_bound, rtol=1e-4))
     except RunError as error:
         raise DesignError(
             f"{design.name}: ring.preload_torque_nm = {torque:g} cannot be converted to a preload angle, because the "

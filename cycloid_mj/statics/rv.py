@@ -366,10 +366,10 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     backlash is larger than the run-out, so that the opposite flanks do not touch. `crank` are crank angles against the
     ring [rad], shape (m,). The result is an argument of `closed_form_error`.
     """
-    outward = reducer.stage.crank_positions(crank) / reducer.lever
+    outward_axis = reducer.stage.crank_positions(crank) / reducer.lever
     radial_share = np.copysign(np.tan(reducer.planet.pressure_angle), reducer.design.drive.speed)
     # the line of action, divided by the cosine of the pressure angle: so are base and pitch radius
-    action_direction = quarter_turned(outward) + radial_share * outward
+    action_direction = quarter_turned(outward_axis) + radial_share * outward_axis
     offset = np.sum(planet_offsets(reducer, crank) * action_direction, axis=-1)
     return np.asarray((offset + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
@@ -402,13 +402,13 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
         Gaps (m, 2 n) [m], and gradients (m, 2 n, u) [1].
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
-    outward = stage.crank_positions(crank) / lever
-    tangent, carrier_dof = quarter_turned(outward), 3 * len(stage.phases)
+    outward_axis = stage.crank_positions(crank) / lever
+    tangent, carrier_dof = quarter_turned(outward_axis), 3 * len(stage.phases)
     offset = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * tangent
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
-        normal = sign * np.cos(planet.pressure_angle) * tangent + np.sin(planet.pressure_angle) * outward
-        slope = np.zeros((*outward.shape[:2], _unknown_count(reducer)))
+        normal = sign * np.cos(planet.pressure_angle) * tangent + np.sin(planet.pressure_angle) * outward_axis
+        slope = np.zeros((*outward_axis.shape[:2], _unknown_count(reducer)))
         tangent_share = sign * np.cos(planet.pressure_angle)
         slope[..., carrier_dof] = tangent_share
         for planet_index in range(stage.cranks):
@@ -731,11 +731,11 @@ def _tangent_stiffness(springs: RvSprings, displacements: Array) -> Array:
     for disc in range(springs.discs):
         unknowns = slice(3 * disc, 3 * disc + 3)
         tangent[:, unknowns, unknowns] += disc_stiffness[:, disc]
-    size = displacements.shape[1]
+    unknown_count = displacements.shape[1]
     _, _, bearing_tangents = _bearing_forces(springs, displacements)
     bearing_gradients = bearing_tangents @ springs.offset_slope
     gradients, bearing_gradients = (
-        array.reshape(len(displacements), -1, size) for array in (springs.offset_slope, bearing_gradients)
+        array.reshape(len(displacements), -1, unknown_count) for array in (springs.offset_slope, bearing_gradients)
     )
     tangent += np.swapaxes(gradients, 1, 2) @ bearing_gradients
-    return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(size))
+    return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(unknown_count))

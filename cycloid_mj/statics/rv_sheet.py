@@ -373,10 +373,10 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
     RunError
         The Newton method or the iteration of friction does not converge.
     """
-    count = SETTINGS.rotation_angles
-    losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)
+    angle_count = SETTINGS.rotation_angles
+    losses, springs = _film_losses(reducer, load, angle_count), springs_over_turn(reducer, angle_count)
     torque = load + drag_torques(reducer)[1]
-    raised_film = replace(film_over_turn(reducer, float(np.sign(torque)), count), factor=RAISED_FRICTION)
+    raised_film = replace(film_over_turn(reducer, float(np.sign(torque)), angle_count), factor=RAISED_FRICTION)
     raised_loads = solve_rv_loads(springs, torque_on_carrier(reducer, torque), raised_film)
     raised_losses = build_rv_losses(raised_film, springs, raised_loads)
     design_loss, raised_loss = (sum(film_losses.contact_powers().values()) for film_losses in (losses, raised_losses))

@@ -170,12 +170,12 @@ def solve_samples(
     own_waves = np.array(samples.waves)
     own_waves[:, : len(common_profile)] -= common_profile
     individual_samples = replace(samples, waves=own_waves)
-    rows = _solve_all_samples(
+    sample_figures = _solve_all_samples(
         ideal_reducer, springs, individual_samples, common_profile, reducer.share * np.array(torques), threads
     )
-    rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
+    sample_figures[~(sample_figures[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)
-    for torque, torque_rows in zip(torques, rows, strict=True):
+    for torque, torque_rows in zip(torques, sample_figures, strict=True):
         figures = SampleFigures(*torque_rows[:, :-1].T.copy())
         output = {"output_mean": output_share * figures.output_mean + twist * torque}
         # with the friction force of a plain cam, as in `Loads`
@@ -212,7 +212,7 @@ def _solve_all_samples(
     effects = _error_effects(ideal_reducer, springs, orders, common_waves)
     deviations = _sample_deviations(ideal_reducer, springs, samples, orders)
     load = np.array([springs.load(torque) for torque in torques])
-    rows = np.zeros((len(torques), len(samples), FIGURES))
+    sample_figures = np.zeros((len(torques), len(samples), FIGURES))
     # samples take different times, and a job can be stopped between chunks
     chunk_ends = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
 
@@ -221,20 +221,20 @@ def _solve_all_samples(
         inputs = springs.contacts, effects, deviations, load
         workspace = allocate_workspace(springs.contacts)
         solve_kernel = solve_few_samples if len(samples) <= MAX_UNCOMPILED else solve_many_samples
-        solve_kernel(*inputs, first_sample, end_sample, rows, None, workspace)
-        has_equilibrium = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
+        solve_kernel(*inputs, first_sample, end_sample, sample_figures, None, workspace)
+        has_equilibrium = (sample_figures[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
         for sample in (first_sample + np.flatnonzero(~has_equilibrium)).tolist():
-            solve_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
+            solve_few_samples(*inputs, sample, sample + 1, sample_figures, True, workspace)
 
     if threads == 1:
-        for start, end in pairwise(chunk_ends):
+        for chunk_start, chunk_end in pairwise(chunk_ends):
             check_interrupt()
             with announce_compilation():
-                solve_chunk(start, end)
+                solve_chunk(chunk_start, chunk_end)
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_chunk, chunk_ends[:-1], chunk_ends[1:]))
-    return rows
+    return sample_figures
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:

@@ -193,10 +193,10 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     RunError
         There is no static equilibrium, for example because friction jams the reducer.
     """
-    result = _assemble_sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
+    static_sheet = _assemble_sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
     if SHEETS[reducer.LAYOUT].is_compared:
-        warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
-    return result
+        warn(reducer.design.name, tracking_warnings(reducer.design, static_sheet.quantities))
+    return static_sheet
 
 
 def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
@@ -482,9 +482,9 @@ def disc_shares(shares: Array) -> Iterator[Quantity]:
     Nothing is yielded for a single disc. If m is 0, because the output has no load, the shares are NaN with a note.
     """
     for disc, share in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
-        value = float(share.mean()) if share.size else math.nan
+        mean_share = float(share.mean()) if share.size else math.nan
         note = f"from {share.min():.4g} to {share.max():.4g} over the crank angle" if share.size else UNLOADED
-        yield sheet_quantity(f"disc_{disc}_share", value, note=note)
+        yield sheet_quantity(f"disc_{disc}_share", mean_share, note=note)
 
 
 def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:

@@ -322,9 +322,9 @@ def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
     remaining_motions = remaining_motions / np.abs(remaining_motions).max(axis=0, initial=np.finfo(float).tiny)
     chosen_unknowns = []
     for _ in loose:
-        unknown = int(np.argmax(np.linalg.norm(remaining_motions, axis=1)))
-        chosen_unknowns.append(unknown)
-        direction = remaining_motions[unknown] / np.linalg.norm(remaining_motions[unknown])
+        unknown_index = int(np.argmax(np.linalg.norm(remaining_motions, axis=1)))
+        chosen_unknowns.append(unknown_index)
+        direction = remaining_motions[unknown_index] / np.linalg.norm(remaining_motions[unknown_index])
         remaining_motions = remaining_motions - np.outer(remaining_motions @ direction, direction)
     return np.array(chosen_unknowns, np.int64)
 

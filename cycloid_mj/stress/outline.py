@@ -60,8 +60,8 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     min_edges = max(1, math.ceil(12 / len(corner_indices)))  # a circle keeps its shape
     node_counts = np.concatenate(
         [
-            np.linspace(start, end, max(min_edges, math.ceil(end - start)) + 1)[:-1]
-            for start, end in zip(start_counts, end_counts, strict=True)
+            np.linspace(start_count, end_count, max(min_edges, math.ceil(end_count - start_count)) + 1)[:-1]
+            for start_count, end_count in zip(start_counts, end_counts, strict=True)
         ]
     )
     node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arcs)

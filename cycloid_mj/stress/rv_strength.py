@@ -179,8 +179,8 @@ def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
     The factors are those of tooth form and stress correction. A single pair of teeth carries the normal `force` [N].
     """
     planet, gears = reducer.planet, reducer.stage_gears
-    tangential = force * math.cos(planet.pressure_angle)
+    tangential_force = force * math.cos(planet.pressure_angle)
     for part, gear, mating_gear in zip((SUN, PLANET), gears, reversed(gears), strict=True):
         section = tooth_root(gear, mating_gear, reducer.crank_radius)
-        nominal_stress = tangential / (planet.face_width * planet.module)
-        yield ToothRootStress(part, tangential, nominal_stress, section.form_factor, section.correction_factor)
+        nominal_stress = tangential_force / (planet.face_width * planet.module)
+        yield ToothRootStress(part, tangential_force, nominal_stress, section.form_factor, section.correction_factor)

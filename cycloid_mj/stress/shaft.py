@@ -102,14 +102,14 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
         x, y, z = seat_surface.points[..., 0], seat_surface.points[..., 1], seat_surface.points[..., 2]
         sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * MODEL.sectors).astype(int) % MODEL.sectors
         strip = np.clip(((z - z0) / (z1 - z0) * MODEL.strips).astype(int), 0, MODEL.strips - 1)
-        outward = (
+        outward_normals = (
             seat_surface.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]
         )  # no moment about the axis
         for pad in range(MODEL.sectors * MODEL.strips):
             is_in_pad = sector * MODEL.strips + strip == pad
             area = float(seat_surface.area[is_in_pad].sum())
             if area > 0.0:
-                pad_load = traction_loads(seat_surface, outward * is_in_pad[..., np.newaxis] / area)
+                pad_load = traction_loads(seat_surface, outward_normals * is_in_pad[..., np.newaxis] / area)
                 pad_loads.append(sparse.csc_matrix(pad_load[:, np.newaxis]))
                 springs.append(bed_stiffness * area)
     return Pads(sparse.hstack(pad_loads).tocsc(), np.array(springs))

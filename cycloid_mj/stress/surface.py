@@ -61,13 +61,13 @@ def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSur
     )
     normal = np.cross(first_edge, second_edge)
     cell_centres = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
-    outward = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - cell_centres), axis=1))
+    outward_sign = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - cell_centres), axis=1))
     normal_length = np.linalg.norm(normal, axis=2)
     return SolidSurface(
         nodes=nodes,
         shape=shape,
         points=np.einsum("qa,fax->fqx", shape, positions),
-        normals=normal * (outward[:, np.newaxis] / normal_length)[..., np.newaxis],
+        normals=normal * (outward_sign[:, np.newaxis] / normal_length)[..., np.newaxis],
         area=normal_length * weight,
         unknowns=grid.unknowns,
     )

@@ -53,35 +53,35 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
     """
     sections = [(section.name, section.nominal, section.stress) for section in strength.shoulders]
     sections += [(f"tooth root of {section.part}", section.nominal, section.stress) for section in strength.roots]
-    for name, nominal, stress in sections:
-        factor = stress / nominal if nominal else math.nan
+    for name, nominal_stress, stress in sections:
+        factor = stress / nominal_stress if nominal_stress else math.nan
         cells = (
             f"{number:.3g}" for number in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
         )
-        yield (name, f"{nominal / MEGAPASCAL:.3g}", *cells)
+        yield (name, f"{nominal_stress / MEGAPASCAL:.3g}", *cells)
 
 
 def part_notes(part: PartFindings) -> list[str]:
     """Return notes on a part as lines of text: stress at fillets, stress range for fatigue, other supports."""
-    lines = []
+    notes = []
     for notch in part.notches:
-        line = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
+        note = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
         if notch.bending_factor > 1.0:
             location_text = (
                 f"its fillet of {notch.fillet / MILLIMETRE:.3g} mm" if np.isfinite(notch.fillet) else "its seat"
             )
-            line += (
+            note += (
                 f", {notch.stress / MEGAPASCAL:.3g} at {location_text} "
                 f"(notch factor {notch.bending_factor:.2f}), safety {part.yield_strength / notch.stress:.3g}"
                 if notch.stress
                 else ""
             )
-        lines.append(line)
+        notes.append(note)
     if part.stress_range:
         amplitude, mean = part.stress_range.amplitude / MEGAPASCAL, part.stress_range.mean / MEGAPASCAL
-        lines.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa at the critical node")
-    lines += [f"{part.part}, with {change}: bulk {stress / MEGAPASCAL:.3g} MPa" for change, stress in part.variants]
-    return lines
+        notes.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa at the critical node")
+    notes += [f"{part.part}, with {change}: bulk {stress / MEGAPASCAL:.3g} MPa" for change, stress in part.variants]
+    return notes
 
 
 def _bulk_row(part: PartFindings) -> list[str]:

@@ -100,13 +100,13 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{quantity}"]) for quantity in ("angle", "speed"))
     run = replace(run, columns=view_columns_from_ring(Reducer(logged_design), run.columns))
     requested_angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    rows = _last_turn(
+    turn_rows = _last_turn(
         run, in_hold(Reducer(logged_design), run.time) & np.isfinite(run[cam_force(Reducer(logged_design))])
     )
-    crank_angles = run["crank_angle"][rows]
-    _require_resolution(crank_angles, requested_angles, run, rows)
+    crank_angles = run["crank_angle"][turn_rows]
+    _require_resolution(crank_angles, requested_angles, run, turn_rows)
     nearest_rows = np.array([np.argmin(np.abs(_wrap_angles(crank_angles - angle))) for angle in requested_angles])
-    selected_rows = rows[nearest_rows]
+    selected_rows = turn_rows[nearest_rows]
     return Turn(
         Reducer(logged_design),
         requested_angles + _wrap_angles(crank_angles[nearest_rows] - requested_angles),
@@ -158,17 +158,17 @@ def _last_turn(run: Run, is_steady: Mask) -> npt.NDArray[np.intp]:
     LogError
         The samples cover less than a turn.
     """
-    rows = np.flatnonzero(is_steady)
-    crank = run["crank_angle"][rows]
-    rotation = abs(crank[-1] - crank[0]) if rows.size else 0.0
-    sample_step = rotation / max(rows.size - 1, 1)
+    steady_rows = np.flatnonzero(is_steady)
+    crank = run["crank_angle"][steady_rows]
+    rotation = abs(crank[-1] - crank[0]) if steady_rows.size else 0.0
+    sample_step = rotation / max(steady_rows.size - 1, 1)
     if rotation < 2 * np.pi - sample_step:
-        span = float(np.ptp(run.time[rows])) if rows.size else 0.0
+        span = float(np.ptp(run.time[steady_rows])) if steady_rows.size else 0.0
         raise LogError(
             f"{run.label}: at constant speed and load the run lasts {span:.4g} s ({rotation / (2 * np.pi):.3f} crank "
             "turns), but at least one turn is needed. Simulate the design again with a longer --hold-s"
         )
-    return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
+    return steady_rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
 
 
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:

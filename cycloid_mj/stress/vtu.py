@@ -65,8 +65,8 @@ def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) 
     compressed size [bytes].
     """
     group = ElementTree.SubElement(piece, tag)
-    for name, values in arrays.items():
-        little_endian = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+    for name, array in arrays.items():
+        little_endian = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
         attributes = {"type": _TYPES[little_endian.dtype.str[1:]], "Name": name, "format": "binary"}
         if little_endian.ndim == 2:
             attributes["NumberOfComponents"] = str(little_endian.shape[1])

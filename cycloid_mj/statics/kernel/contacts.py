@@ -436,7 +436,7 @@ def _find_foot_point(
     t = p / (rate * max(normal_component, 0.5))
     t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
     t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
-    lower, upper, converged = -math.inf, math.inf, FALSE
+    min_t, max_t, converged = -math.inf, math.inf, FALSE
     for _ in range(_FOOT_POINT.max_iterations):
         # cos_t and cos_w are cosines less 1; the halves of t and N t are less than a right angle
         sine_half, sine_half_teeth = math.sin(0.5 * t), math.sin(0.5 * N * t)
@@ -454,15 +454,15 @@ def _find_foot_point(
         square = v_q * v_q + v_p * v_p
         residual = (q - x_q) * v_q + (p - x_p) * v_p
         if residual > 0.0:
-            lower = t
+            min_t = t
         else:
-            upper = t
+            max_t = t
         derivative = square - (q - x_q) * a_q - (p - x_p) * a_p
         step = residual / max(derivative, 0.1 * square)
         step = min(max(step, -_FOOT_POINT.max_step / N), _FOOT_POINT.max_step / N)
-        by_newton = derivative > 0.1 * square and lower <= t + step <= upper
-        if not lower <= t + step <= upper:
-            step = 0.5 * (lower + upper) - t
+        by_newton = derivative > 0.1 * square and min_t <= t + step <= max_t
+        if not min_t <= t + step <= max_t:
+            step = 0.5 * (min_t + max_t) - t
         converged = abs(step) < (_FOOT_POINT.newton_tolerance if by_newton else _FOOT_POINT.bisection_tolerance)
         if converged:
             break
