@@ -205,8 +205,6 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
 
     Parameters
     ----------
-    reducer
-        The reducer.
     options
         Motor, printer offset and bed.
     on_step

@@ -132,8 +132,6 @@ def run_search(
 
     Parameters
     ----------
-    task
-        The problem.
     evaluations, starts, seed
         Approximate number of points; number of independent searches; random seed.
     out
@@ -227,8 +225,6 @@ def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -
 
     Parameters
     ----------
-    task
-        The problem.
     rows
         The points evaluated so far.
     weight

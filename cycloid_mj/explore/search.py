@@ -151,8 +151,6 @@ def search_minimum(
 
     Parameters
     ----------
-    task
-        The problem.
     evaluate
         Evaluates and records points, and returns their results in order.
     cost

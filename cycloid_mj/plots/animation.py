@@ -105,8 +105,6 @@ def select_samples(
 
     Parameters
     ----------
-    run
-        The run.
     magnification
         Factor by which clearances are magnified.
     frames

@@ -48,8 +48,6 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 
     Parameters
     ----------
-    sweep
-        The sweep.
     quantities
         Numeric columns: a panel each, or a row of panels if there are more than two inputs.
     """

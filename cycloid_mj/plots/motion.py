@@ -56,8 +56,6 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
 
     Parameters
     ----------
-    motion
-        The run.
     key
         Name of the speed [rad/s] in `SIGNALS`; its error is the signal ``KEY_error`` there.
     rows, x

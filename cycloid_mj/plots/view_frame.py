@@ -120,8 +120,6 @@ def frame_views(axes: Axes, reducer: Reducer, ends: tuple[float, float], gap: fl
     ----------
     axes
         Axes of the drawing, whose frame and ticks are hidden.
-    reducer
-        The reducer.
     ends
         Lower and upper end of the reducer along z [m].
     gap

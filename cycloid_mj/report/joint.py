@@ -39,8 +39,6 @@ def joint_page(
 
     Parameters
     ----------
-    reduced
-        The joint.
     comparison
         Its comparison with the full model.
     steps

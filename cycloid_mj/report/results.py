@@ -37,8 +37,6 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
 
     Parameters
     ----------
-    calibration
-        The calibration.
     figure
         Figure of its hysteresis loops, as SVG text.
     remarks

@@ -35,8 +35,6 @@ def choose_scenes(
 
     Parameters
     ----------
-    reduced
-        The joint.
     inertia
         Inertia on the output [kg m2]; by default the inertia of the reducer itself, reflected to the output.
     timestep, integrator

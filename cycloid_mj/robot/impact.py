@@ -102,8 +102,6 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
 
     Parameters
     ----------
-    reduced
-        The joint.
     inertia
         Inertia on the output [kg m2], without the joint's own.
     frequency

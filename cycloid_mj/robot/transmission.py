@@ -89,8 +89,6 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_part: Callable
 
     Parameters
     ----------
-    reducer
-        The reducer.
     load
         Output torque as a share of the nominal torque.
     direction
