@@ -52,9 +52,10 @@ def wear(
     service.run_in_depth_um. They are known only within a factor of ten. Wear is therefore computed three times: with
     the typical coefficients, and with all coefficients at their 5 and 95 % percentiles.
 
-    A computation ends when the lost motion has grown by --growth-percent. If this takes longer than --hours, the
-    accuracy life is extrapolated with the last rate. The JSON has accuracy_life_h, accuracy_life_interval_h,
-    accuracy_life_extrapolated, records over time and the depths of all surfaces. Ctrl-C keeps the finished steps.
+    A computation ends when the lost motion has grown by --growth-percent, or when a part is worn through. If this takes
+    longer than --hours, the accuracy life is extrapolated by the law of wear and run-in with the last contact forces.
+    The JSON has accuracy_life_h, accuracy_life_interval_h, accuracy_life_extrapolated, records over time and the depths
+    of all surfaces. Ctrl-C keeps the finished steps.
     """
     from cycloid_mj.life.accuracy_life import wear as compute
     from cycloid_mj.life.wear_course import CASES

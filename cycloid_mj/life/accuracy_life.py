@@ -1,6 +1,7 @@
 """Accuracy life of a drive: hours until its lost motion has grown by a share, with the interval of the coefficients."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,7 @@ from cycloid_mj.life.wear_course import (
     WearLaw,
     WearSettings,
     WearState,
+    WearTrend,
     wear_steps,
 )
 from cycloid_mj.life.wear_data import MM3, RUN_IN, Interval
@@ -44,18 +46,34 @@ SHEET_COLUMNS = {
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Lost motion [rad] over hours in one case, shape (n,) each, and why it ended."""
+    """Lost motion [rad] over hours in one case, shape (n,) each, and why it ended.
+
+    Attributes
+    ----------
+    hours, lost_motion, end
+        Hours [h], lost motion [rad], and the reason of the end in words.
+    is_final
+        Whether the drive cannot run beyond the last hour, since a part is worn through or has no static equilibrium.
+    trend
+        Wear beyond the last hour; None: the lost motion grows linearly.
+    """
 
     hours: Array
     lost_motion: Array
     end: str
+    is_final: bool = False
+    trend: WearTrend | None = None
 
     def life(self, limit: float) -> float:
         """Return the hours until the lost motion reaches a `limit` [rad], interpolated; inf if it does not grow.
 
-        Beyond the computed hours it is extrapolated linearly, which underestimates the life if wear slows down.
+        Beyond the computed hours it is extrapolated by the `trend`, but not where the drive cannot run any longer.
         """
         reached_indices = np.flatnonzero(self.lost_motion >= limit)
+        if not reached_indices.size and self.is_final:
+            return float(self.hours[-1])
+        if not reached_indices.size and self.trend:
+            return self.trend.hours_until(limit)
         if not reached_indices.size:
             last_hours, last_growth = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
             remaining_growth = limit - float(self.lost_motion[-1])
@@ -195,6 +213,9 @@ class WearLife(Presented):
             f"off; it makes {self.run_in_share:.0%} of the worn volume here, and made {RUN_IN.share:.0%} of the growth "
             "of an RV reducer's lost motion in 1550 h (Lubricants 13 (2025) 362)",
             "interval: coefficient and run-in of all surfaces at their 5 or 95 % percentile together",
+            "a part is worn through at the height of a lobe, the radius of a pin or the thickness of a wall; the "
+            "computation and all lives end there",
+            "a life beyond the computed hours is extrapolated by the law of wear and run-in with the last forces",
             *dict.fromkeys(f"k of {item.law.material}: {item.law.coefficient.source}" for item in self.surfaces),
             *dict.fromkeys(f"run-in of {item.law.material}: {item.law.run_in.source}" for item in self.surfaces),
         )
@@ -292,8 +313,8 @@ def wear(
 
     Wear follows Archard's law with run-in; after each step, statics are solved with the worn gaps. There are three
     cases (`CASES`): wear coefficients and run-in depths are typical, or all at their 5 % or 95 % percentile. A case
-    ends after `hours`, or when the lost motion has grown by `growth`. After Ctrl-C, the result has the finished cases
-    and steps.
+    ends after `hours`, when the lost motion has grown by `growth`, or when a part is worn through. After Ctrl-C, the
+    result has the finished cases and steps.
 
     Parameters
     ----------
@@ -364,29 +385,38 @@ class _Log:
         record_times = (self._hours * (np.arange(1, record_count + 1) / record_count) ** 2).tolist()
         hours: list[float] = []
         lost_motions: list[float] = []
-        end_reason = f"{self._hours:g} h are over"
+        last_states: deque[WearState] = deque(maxlen=2)
+        end_reason, is_final = f"{self._hours:g} h are over", False
         try:
             for state in wear_steps(self._drive, case, record_times):
                 hours.append(state.hours)
                 lost_motions.append(state.lost_motion)
+                last_states.append(state)
                 growth = state.lost_motion / lost_motions[0] - 1.0
-                is_grown = growth >= self._growth
+                worn_surface = self._drive.worn_through(state.depths)
+                is_end = growth >= self._growth or worn_surface is not None
                 if case == "typical":
-                    self._record_typical(state, state.hours in record_times or is_grown)
+                    self._record_typical(state, state.hours in record_times or is_end)
                 if on_progress:
                     on_progress(case, min(1.0, max(state.hours / self._hours, growth / self._growth)))
-                if is_grown:
+                if worn_surface:
+                    depth = f"{1e3 * worn_surface.thickness:.3g} mm"
+                    end_reason = f"after {state.hours:.4g} h, {worn_surface.name} are worn through ({depth})"
+                    is_final = True
+                elif is_end:
                     end_reason = f"the lost motion has grown by {self._growth:.0%}"
+                if is_end:
                     break
         except RunError as error:
             if not lost_motions:
                 raise
-            end_reason = f"no static equilibrium: {error}"
+            end_reason, is_final = f"no static equilibrium: {error}", True
         except KeyboardInterrupt:
             if not lost_motions:
                 raise
             self._interrupted, end_reason = True, "interrupted"
-        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason)
+        trend = WearTrend(self._drive, case, *last_states) if len(last_states) == 2 else None
+        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason, is_final, trend)
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:

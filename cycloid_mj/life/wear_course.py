@@ -84,6 +84,10 @@ class WearingDrive:
         """The surfaces that slide."""
         return wearing_surfaces(self.reducer)
 
+    def worn_through(self, depths: Mapping[str, Array]) -> WearingSurface | None:
+        """Return the first surface that is worn through; `depths` [m] are arrays (cells,) by the key of the surface."""
+        return next((item for item in self.surfaces if float(depths[item.key].max()) >= item.thickness), None)
+
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
         """Return material, wear coefficient and run-in depth of each wearing surface, by the key of the surface."""
@@ -163,6 +167,58 @@ class WearState:
     depths: Mapping[str, Array]
     reducer: Reducer
     lost_motion: float
+
+
+@dataclass(frozen=True, eq=False)
+class WearTrend:
+    """Wear of a drive after the second of two states of a case, if the contact forces remain those between them.
+
+    Doses then grow at their last rate, and depths follow from the law of wear: run-in ends. The lost motion grows in
+    proportion to the mean depths of the surfaces, each times the opening of its gap.
+    """
+
+    drive: WearingDrive
+    case: Case
+    previous: WearState
+    last: WearState
+
+    def hours_until(self, limit: float) -> float:
+        """Compute the hours [h] until the lost motion reaches a `limit` [rad] or a part is worn through.
+
+        The result is inf if the lost motion did not grow.
+        """
+        from scipy.optimize import brentq
+
+        growth = self.last.lost_motion - self.previous.lost_motion
+        if growth <= 0.0:
+            return math.inf
+        last_opening = self._mean_opening(self.last.depths)
+        opening_per_motion = (last_opening - self._mean_opening(self.previous.depths)) / growth
+        opening_limit = last_opening + (limit - self.last.lost_motion) * opening_per_motion
+
+        def excess(hours: float) -> float:
+            """Return by how much the limit or a thickness is exceeded after some hours, relative to it [1]."""
+            depths = self._depths(hours)
+            worn = max(float(depths[item.key].max()) / item.thickness for item in self.drive.surfaces)
+            return max(self._mean_opening(depths) / opening_limit, worn) - 1.0
+
+        end = 2.0 * self.last.hours
+        while excess(end) < 0.0:
+            end *= 2.0
+        return float(brentq(excess, self.last.hours, end, rtol=1e-6))
+
+    def _depths(self, hours: float) -> dict[str, Array]:
+        """Return the depths [m] of the cells of each surface after some hours, by the key of the surface."""
+        first, last, laws = self.previous, self.last, self.drive.laws
+        elapsed_share = (hours - last.hours) / (last.hours - first.hours)
+        return {
+            key: worn_depth(dose + elapsed_share * (dose - first.doses[key]), *laws[key].values(self.case))
+            for key, dose in last.doses.items()
+        }
+
+    def _mean_opening(self, depths: Mapping[str, Array]) -> float:
+        """Return the sum of the mean openings of gaps [m] by the depths of their surfaces [m]."""
+        return sum(item.opening * float(depths[item.key].mean()) for item in self.drive.surfaces)
 
 
 def lost_motion(reducer: Reducer) -> float:

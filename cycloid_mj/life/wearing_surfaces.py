@@ -14,6 +14,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.deprecated import deprecated_attribute
+from cycloid_mj.checks.strength import list_walls
 from cycloid_mj.geometry import profile
 from cycloid_mj.life.loading import relative_speed, slides_in_seat
 from cycloid_mj.reducer import Reducer, RvReducer
@@ -65,6 +66,8 @@ class WearingSurface:
         The gap that it opens.
     length
         Length of a contact line across it [m].
+    thickness
+        Depth at which the part is worn through [m]: the height of a lobe, the radius of a pin, or the thinnest wall.
     """
 
     key: str
@@ -79,6 +82,7 @@ class WearingSurface:
     _: KW_ONLY
     gap: Gap
     length: float
+    thickness: float
 
     place = deprecated_attribute("WearingSurface", "place", "contact_coordinate")
 
@@ -138,28 +142,35 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     angle_on_pin = profile.conjugate_alpha(gear, phase)
     seat, bore_radius = design.seat_pair, ring.sleeve_bore_radius
     circumference = 2.0 * math.pi * ring.pin_radius
-    coordinate = ring.pin_radius * angle_on_pin
+    coordinate, lobe_height = ring.pin_radius * angle_on_pin, 2.0 * design.gear.eccentricity
     seats_wear = bool(seat) and (design.has_film or design.mesh_friction < design.friction_of(design.tooth_pair))
     flanks_wear = not seats_wear or design.has_film
     if flanks_wear:
         flank_length = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
         flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
         flank_count = design.lobes * design.gear.discs * ring.halves
-        yield surface("flank", "flanks of the discs", "gear", "flank", flank_count, flank_length, flank_coordinate)
+        flank = partial(surface, "flank", "flanks of the discs", "gear", "flank", thickness=lobe_height)
+        yield flank(flank_count, flank_length, flank_coordinate)
     if seat == "pin_socket":
         # a smaller pin also widens the clearance of its socket
-        yield surface("pin", "pins", "pin", "teeth", count, circumference, opening=2.0)
+        yield surface("pin", "pins", "pin", "teeth", count, circumference, opening=2.0, thickness=ring.pin_radius)
     elif seat and flanks_wear:
-        yield surface("pin", "pins", "pin", "flank", count, circumference)
-    elif not seat:
-        key, name, part = ("pin", "pins", "pin") if ring.kind == "pin" else ("lobe", "lobes of the ring", "housing")
-        yield surface(key, name, part, "flank", count, circumference, coordinate)
+        wall = ring.pin_radius - bore_radius
+        yield surface("pin", "pins", "pin", "flank", count, circumference, thickness=wall)
+    elif ring.kind == "pin":
+        yield surface("pin", "pins", "pin", "flank", count, circumference, coordinate, thickness=ring.pin_radius)
+    else:
+        lobe = partial(surface, "lobe", "lobes of the ring", "housing", "flank", thickness=lobe_height)
+        yield lobe(count, circumference, coordinate)
     if seats_wear and seat == "pin_socket":
-        yield surface("socket", "sockets of the pins", "housing", "seat", count, circumference, coordinate)
+        socket = partial(surface, "socket", "sockets of the pins", "housing", "seat")
+        yield socket(count, circumference, coordinate, thickness=_walls(reducer)["housing_ligament"])
     elif seats_wear:
         section, lever = 2.0 * math.pi * bore_radius, bore_radius / ring.pin_radius
-        yield surface("sleeve", "bores of the sleeves", "pin", "seat", count, section, lever=lever)
-        yield surface("core", "pins in sleeves", "pin", "seat", count, section, bore_radius * angle_on_pin, lever)
+        sleeve = partial(surface, "sleeve", "bores of the sleeves", "pin", "seat", count, section, lever=lever)
+        yield sleeve(thickness=ring.pin_radius - bore_radius)
+        core = partial(surface, "core", "pins in sleeves", "pin", "seat", count, section, lever=lever)
+        yield core(contact_coordinate=bore_radius * angle_on_pin, thickness=bore_radius)
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -177,16 +188,21 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
         length=design.line_length("output"),
     )
     if not output.rollers:
-        for key, name, part, radius in (
-            ("hole", "holes of the discs", "gear", output.hole_radius),
-            ("output_pin", "output pins", "output", output.pin_radius),
+        walls = _walls(reducer)
+        # two holes wear the wall between them
+        hole_wall = min(0.5 * walls["hole_to_hole"], walls["hole_to_root"], walls["bore_to_hole"])
+        for key, name, part, radius, thickness in (
+            ("hole", "holes of the discs", "gear", output.hole_radius, hole_wall),
+            ("output_pin", "output pins", "output", output.pin_radius, output.pin_radius),
         ):
-            yield surface(key, name, part, section=2.0 * math.pi * radius, contact_coordinate=radius * angle)
+            worn_circle = partial(surface, section=2.0 * math.pi * radius, contact_coordinate=radius * angle)
+            yield worn_circle(key, name, part, thickness=thickness)
     elif not output.has_needles:
         radius = output.root_radius
         roller = partial(surface, section=2.0 * math.pi * radius, lever=radius / output.pin_radius)
-        yield roller("roller", "bores of the rollers", "output")
-        yield roller("roller_core", "cores of the rollers", "output", contact_coordinate=radius * angle)
+        yield roller("roller", "bores of the rollers", "output", thickness=output.pin_radius - radius)
+        core = partial(roller, contact_coordinate=radius * angle)
+        yield core("roller_core", "cores of the rollers", "output", thickness=radius)
 
 
 def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -206,8 +222,15 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
         gap="cam",
         length=gear.face_width,
     )
-    yield surface("bore", "bores of the discs", "gear")
-    yield surface("cam", "cams", "shaft", contact_coordinate=gear.bore_radius * angle)
+    bore_wall = _walls(reducer)["bore_to_hole"]
+    yield surface("bore", "bores of the discs", "gear", thickness=bore_wall)
+    cam_coordinate = gear.bore_radius * angle
+    yield surface("cam", "cams", "shaft", contact_coordinate=cam_coordinate, thickness=gear.bore_radius)
+
+
+def _walls(reducer: Reducer) -> dict[str, float]:
+    """Return the thickness of the walls of disc and housing [m], by the name of the wall."""
+    return {wall.name: wall.thickness for wall in list_walls(reducer)}
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Contacts, SlidingContacts]:

@@ -17,7 +17,7 @@ from cycloid_mj.life.accuracy_life import Course, WearLife, wear
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.wear_course import WearingDrive, WearSettings, lost_motion, wear_steps
 from cycloid_mj.life.wear_data import RUN_IN, wear_coefficient, wear_rate, worn_depth
-from cycloid_mj.life.wearing_surfaces import TABLE, dose_rate, sliding_contacts, sum_over_cells
+from cycloid_mj.life.wearing_surfaces import TABLE, dose_rate, sliding_contacts, sum_over_cells, wearing_surfaces
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.worn import WornGaps
 from cycloid_mj.statics import loads, springs_of
@@ -203,6 +203,58 @@ def test_beyond_its_course_a_life_follows_from_the_last_rate() -> None:
     assert course.life(1.1) == pytest.approx(0.5)
     assert course.life(1.6) == pytest.approx(5.0)
     assert math.isinf(Course(course.hours, np.ones(3), "end").life(1.6))
+
+
+def test_a_life_is_extrapolated_by_the_law_of_run_in(pin_life: WearLife) -> None:
+    """After 10 h, in the run-in, the last rate of growth would end the life after 49 h instead of 97 h."""
+    early = wear(PIN, 10.0, growth=0.3)
+    assert early.extrapolated()
+    by_last_rate = replace(early.courses["typical"], trend=None).life(early.limit)
+    assert by_last_rate < 0.55 * pin_life.life()
+    assert early.life() == pytest.approx(pin_life.life(), rel=0.3)
+
+
+def test_without_run_in_the_trend_is_the_last_rate() -> None:
+    course = wear(PIN.but(**WITHOUT_RUN_IN), 400.0).courses["typical"]
+    limit = 1.5 * float(course.lost_motion[-1])
+    assert course.life(limit) == pytest.approx(replace(course, trend=None).life(limit), rel=1e-4)
+
+
+def test_a_computation_ends_where_a_part_is_worn_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flanks that are 0.3 um thick end all cases, and their lives, before the lost motion has grown enough."""
+    thin = tuple(replace(surface, thickness=3e-7) for surface in wearing_surfaces(Reducer(PIN)))
+    monkeypatch.setattr("cycloid_mj.life.wear_course.wearing_surfaces", lambda reducer: thin)
+    worn = wear(PIN, 200.0, growth=10.0)
+    course = worn.courses["typical"]
+    assert course.end == f"after {course.hours[-1]:.4g} h, flanks of the discs are worn through (0.0003 mm)"
+    assert worn.life() == course.hours[-1] < 200.0
+    assert not worn.extrapolated()
+    flank = worn.surfaces[0]
+    assert 3e-7 <= flank.depth.max() < 4e-7
+    assert worn.as_json()["courses"]["typical"]["end"] == course.end
+    # within the computed hours of the course, its trend finds the same end
+    before = wear(PIN, 0.9 * float(course.hours[-1]), growth=10.0)
+    assert before.life() == pytest.approx(course.hours[-1], rel=0.1)
+    assert before.extrapolated()
+
+
+def test_parts_are_worn_through_at_the_height_of_a_lobe_or_the_thickness_of_a_wall() -> None:
+    thickness = {item.key: item.thickness for item in wearing_surfaces(Reducer(PLAIN))}
+    hole_wall = PLAIN.output.pin_circle_radius * math.sin(math.pi / PLAIN.output.pins) - PLAIN.output.hole_radius
+    assert thickness == pytest.approx(
+        {
+            "flank": 2.0 * PLAIN.gear.eccentricity,
+            "pin": PLAIN.ring.pin_radius,
+            "hole": hole_wall - PLAIN.clearance.output,
+            "output_pin": PLAIN.output.pin_radius,
+            "bore": PLAIN.output.pin_circle_radius
+            - PLAIN.output.hole_radius
+            - PLAIN.clearance.output
+            - PLAIN.gear.bore_radius
+            - PLAIN.clearance.cam,
+            "cam": PLAIN.gear.bore_radius,
+        }
+    )
 
 
 def test_time_scales_with_the_coefficient_without_run_in() -> None:

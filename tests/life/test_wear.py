@@ -1,6 +1,7 @@
 """Wear: where a surface wears fastest, the slip of sleeves, the coefficient of plastics."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -115,6 +116,16 @@ def test_each_material_wears_by_its_own_coefficient() -> None:
     assert metal["pin_gear_wear"].note.startswith("k = 1e-09 mm3/(N m), 5 to 95 %: 1e-10 to 1e-08; metals in mixed")
     stated = rate(override(PRESETS["printed"], {"service.wear_coefficient_mm3_nm": 2e-7}), stops=False).items
     assert "2e-08 to 2e-06; service.wear_coefficient_mm3_nm of the design file" in stated[worn.key].note
+
+
+def test_a_part_wears_at_most_until_it_is_worn_through() -> None:
+    """A disc of PLA without grease would lose 23 mm in 1000 h: its lobes, 3 mm high, are gone before."""
+    item = rate(override(PRESETS["printed"], {"material.name": "PLA"}), stops=False).items["pin_gear_wear"]
+    assert item.value == pytest.approx(2e6 * PRESETS["printed"].gear.eccentricity)
+    hours = float(re.search(r"worn through after ([\d.]+) h", item.note)[1])
+    assert item.life is not None
+    assert hours == pytest.approx(item.life * item.value / item.limit, rel=0.01)
+    assert "worn through" not in rate(PRESETS["printed"], stops=False).items["pin_gear_wear"].note
 
 
 def test_bare_dowels_wear_the_printed_holes_by_the_coefficient_of_the_plastic() -> None:
