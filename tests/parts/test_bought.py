@@ -62,7 +62,7 @@ def sizes_in_stock(designation: str) -> dict[str, float]:
     """Look up the sizes of a designation in the tables of stock, in mm."""
     balls = (*stock.ball_bearings(), *stock.thin_ball_bearings(), *stock.angular_contact_bearings())
     for one in (*stock.needle_bearings(), *balls, *stock.tapered_bearings(), *stock.crossed_roller_bearings()):
-        if one.designation == designation:
+        if one.designation == designation.removesuffix("-2RS1"):
             return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.width}
     for insert in stock.inserts():
         if insert.designation == designation:

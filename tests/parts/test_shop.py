@@ -206,6 +206,24 @@ def test_steps_state_when_a_motor_shaft_is_glued_and_what_centres_the_flange():
     assert "mm behind the face and has no bore: state --motor-shaft-mm" in open_end
 
 
+def test_sealed_bearings_are_ordered_by_their_suffix():
+    """Deep groove bearings of the output have seals, which keep the grease in; angular contact bearings have none."""
+    (line,) = [line for line in bill(PIN, 0.0, casing(PIN)) if line.item == "output_bearing"]
+    assert (line.designation, "sealed (2RS1)" in line.fit) == ("61812-2RS1", True)
+    assert "61812-2RS1" in assembly_order(PIN, casing(PIN))[3]
+    angular = Reducer(resolve(PRESETS["pin"], {"output.main_bearings": "angular_contact"}))
+    (line,) = [line for line in bill(angular, 0.0, casing(angular)) if line.item == "output_bearing"]
+    assert line.designation.endswith("ACD")
+
+
+def test_steps_state_why_no_motor_fits_on_a_thin_crank():
+    thin = {"shaft.radius_mm": 3.0, "drive.torque_nm": 0.2, "drive.speed_rpm": 300.0}
+    reducer = Reducer(resolve(PRESETS["printed"], thin))
+    sizes = casing(reducer)
+    assert sizes.motor.name == "bolt circle"
+    assert "(NEMA 17: it needs a crank with a diameter of at least" in assembly_order(reducer, sizes)[9]
+
+
 def test_bought_dowels_have_the_material_of_their_standard():
     lines = bill(PIN, 0.0, casing(PIN))
     dowels = [line for line in lines if line.designation.startswith("ISO 8734")]

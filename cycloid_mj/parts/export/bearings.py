@@ -32,6 +32,9 @@ is thicker than its nominal size by more than the teeth have clearance."""
 ROLLER_FIT = "E8/m6"
 """Fit of a roller that turns on a dowel: 8 to 34 um of play on 5 mm; F8/m6 may be tight."""
 
+SEALS = "-2RS1"
+"""Suffix of the designation of ball bearings with seals (SKF)."""
+
 HUB_BEARING_FIT = "H7 outside, k6 on the hub, sealed (2RS1)"
 """Fit of the ball bearings of the output, whose seals keep the grease in."""
 
@@ -203,6 +206,11 @@ def hub_bearing_fit(bearing: stock.StockBearing) -> str:
     if bearing.has_crossed_rollers:
         return CROSSED_ROLLER_FIT
     return ANGULAR_HUB_FIT if bearing.contact_angle else HUB_BEARING_FIT
+
+
+def hub_bearing_designation(bearing: stock.StockBearing) -> str:
+    """Return the designation to order for the bearings of the output: deep groove bearings with a seal at each end."""
+    return bearing.designation + (SEALS if hub_bearing_fit(bearing) == HUB_BEARING_FIT else "")
 
 
 def cam_bearing_fit(reducer: Reducer, bearing: stock.StockBearing) -> str:

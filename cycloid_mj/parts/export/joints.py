@@ -16,6 +16,7 @@ from cycloid_mj.parts.export.bearings import (
     DOWEL_FIT,
     DOWEL_MATERIAL,
     cup_fit,
+    hub_bearing_designation,
     hub_bearing_fit,
     shaft_bearing,
     shaft_bearing_fit,
@@ -311,7 +312,7 @@ def _output_bearings(casing: Casing, bearing_ends: tuple[tuple[float, float], ..
         names.HOUSING,
         tuple((0.0, 0.0, 0.5 * (start + end)) for start, end in bearing_ends),
         bearing_dimensions(bearing),
-        designation=bearing.designation,
+        designation=hub_bearing_designation(bearing),
         fit=hub_bearing_fit(bearing),
         first=len(casing.bearings) + 1 - len(bearing_ends) if bearing_ends[-1] == casing.bearings[-1] else 1,
     )

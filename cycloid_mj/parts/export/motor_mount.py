@@ -61,6 +61,17 @@ def choose_motor_flange(
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
 
+def explain_bolt_circle(reducer: Reducer, outer: float, seat: float, wall: float, max_cavity: float) -> str:
+    """Return why the smallest NEMA frame that is strong enough does not fit, in brackets; empty if one fits or none is.
+
+    The arguments are those of `choose_motor_flange`.
+    """
+    drive = reducer.design.drive
+    frames = frames_for(drive.torque, drive.speed)
+    misfits = [_describe_misfits(reducer, frame, outer, seat, wall, max_cavity) for frame in frames]
+    return f" ({frames[0].name}: {misfits[0][0]})" if misfits and all(misfits) else ""
+
+
 def _describe_misfits(
     reducer: Reducer, flange: MotorFlange, outer: float, seat: float, wall: float, max_cavity: float
 ) -> list[str]:

@@ -3,7 +3,7 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.bearings import adhesive_of, roller_bearing
+from cycloid_mj.parts.export.bearings import adhesive_of, hub_bearing_designation, roller_bearing
 from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing
@@ -14,7 +14,7 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.crank_joints import cam_key, shrink_fit
 from cycloid_mj.parts.export.crank_rings import bearing_spacers, crank_rings
 from cycloid_mj.parts.export.hub_bearing import has_both_seats, needs_stop_ring
-from cycloid_mj.parts.export.motor_mount import motor_screw
+from cycloid_mj.parts.export.motor_mount import explain_bolt_circle, motor_screw
 from cycloid_mj.reducer import Reducer
 
 ALONG = (
@@ -94,7 +94,7 @@ def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
 
 def _describe_output_bearings(casing: Casing) -> str:
     """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover."""
-    hub, ring = casing.hub.designation, casing.retainer
+    hub, ring = hub_bearing_designation(casing.hub), casing.retainer
     if ring:
         return (
             f"Put the {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from outside, screw the "
@@ -168,8 +168,9 @@ def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
     else:
         depth = f"{MILLIMETRES * (casing.journal - casing.face):.3g} mm"
         motor_text = (
-            f"bolt the motor on ({motor.name}, {bolts_text}); the crank ends {depth} behind the face and has no bore: "
-            "state --motor-shaft-mm, or make it longer for a coupling (shaft.length_mm)"
+            f"bolt the motor on ({motor.name}, {bolts_text}); the crank ends {depth} behind the face and has no bore"
+            f"{explain_bolt_circle(reducer, casing.outer, casing.seat, casing.wall, casing.cavity)}: state "
+            "--motor-shaft-mm, or make it longer for a coupling (shaft.length_mm)"
         )
     return f"Turn the crank by hand through one turn; {motor_text}."
 
