@@ -14,6 +14,7 @@ from cycloid_mj.life.output_bearing import output_bearings
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import assembly_order, casing
 from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.bearings import hub_bearing_designation
 from cycloid_mj.parts.export.drive import TURNING, casing_inertia, drive_length
 from cycloid_mj.parts.export.insertion import assembly_moves
 from cycloid_mj.reducer import Reducer
@@ -48,7 +49,7 @@ def test_parts_run_free_can_be_assembled_and_the_bill_has_their_mass(name: str) 
     reducer = drive(name)
     (bearings,) = [line for line in check_casing(reducer, casing(reducer)) if line.item == "output_bearing"]
     assert bearings.count == 2
-    assert bearings.designation == casing(reducer).hub.designation
+    assert bearings.designation == hub_bearing_designation(casing(reducer).hub)
 
 
 @pytest.mark.parametrize("name", CHANGES)

@@ -339,10 +339,15 @@ def test_all_sizes_that_parts_run_or_fit_on_have_a_tolerance():
 
 
 def test_a_ring_between_covers_is_centred_by_its_seat_or_by_dowels():
-    """Without dowels its seat is H7/h6 without play; else the play is larger than both tolerances, except printed."""
-    for name in ("pin", "twodisc", "printed", "nonpin"):
-        reducer = Reducer(PRESETS[name])
+    """Without dowels it slides (H7/g6) until the disc centres it; else its play is larger than both tolerances."""
+    changes = {"gear.eccentricity_mm": 0.8, "output.hole_radius_mm": 4.8, "ring.pin_radius_mm": 3.0}
+    thin = Reducer(resolve(PRESETS["pin"], changes | {"housing.outer_radius_mm": 45.6, "housing.support": "rim"}))
+    assert casing(thin).has_free_ring
+    for reducer in (thin, *(Reducer(PRESETS[name]) for name in ("pin", "twodisc", "printed", "nonpin"))):
         sizes = casing(reducer)
+        steps = assembly_order(reducer, sizes)
+        assert ("lightly" in steps[8]) == ("centres the housing" in steps[9]) == sizes.has_free_ring
+        assert sizes.has_free_ring or "crosswise" in steps[8]
         for joint in drive_joints(reducer, sizes):
             if joint.name == "ring in the motor cover" and joint.fit:
                 ((_, radius, *_),) = joint.holes_in("motor_cover")

@@ -183,6 +183,11 @@ class Casing(MotorSide, OutputSide):
         return self.screws.outside and self.dowel is not None and self.dowel_circle == self.screws.circle
 
     @property
+    def has_free_ring(self) -> bool:
+        """True if neither screws nor dowels locate the ring, which the discs centre before the covers clamp it."""
+        return self.screws.outside and (self.dowel is None or self.has_outer_dowels)
+
+    @property
     def load_centres(self) -> tuple[float, float]:
         """Positions at which a pair of output bearings carries radial forces [m]: their middles, or further apart.
 

@@ -86,7 +86,7 @@ def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
         _describe_crank(reducer, casing),
         f"{_describe_motor_cover(reducer, casing)}, put it on{dowel_text} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
-        f"{MILLIMETRES * screws.length:g} crosswise from the output's side"
+        f"{MILLIMETRES * screws.length:g} {'lightly' if casing.has_free_ring else 'crosswise'} from the output's side"
         f"{f'; snap the {names.SHAFT_RING} on the {names.SHAFT}' if casing.crank_end.shaft_ring else ''}.",
         _describe_last_step(reducer, casing),
     )
@@ -151,15 +151,17 @@ def _describe_motor_cover(reducer: Reducer, casing: Casing) -> str:
 
 def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
     """Return the last sentence of the assembly instructions: mount the motor, or turn the drive."""
-    motor = casing.motor
+    motor, centring_text = casing.motor, ""
+    if casing.has_free_ring:
+        centring_text = f", which centres the {names.HOUSING} on the disc; then tighten the screws crosswise"
     if reducer.design.shaft.bore_radius:
         return (
-            "Turn the crank by hand through one turn; clamp a belt pulley, or the rotor of a frameless motor, on the "
-            "end of the crank, and pass cables or a tool through its bore."
+            f"Turn the crank by hand through one turn{centring_text}; clamp a belt pulley, or the rotor of a frameless "
+            "motor, on the end of the crank, and pass cables or a tool through its bore."
         )
     if motor.tapped:
         shaft_text = "glued into the bore" if motor.shaft else "in a bore that you drill into the end"
-        return f"Let the motor, its shaft {shaft_text} of the crank, turn it slowly for a turn."
+        return f"Let the motor, its shaft {shaft_text} of the crank, turn it slowly for a turn{centring_text}."
     bolts_text = (
         f"{motor.screws} x M{MILLIMETRES * motor.thread:g} on a circle of {2.0 * MILLIMETRES * motor.circle:.4g} mm"
     )
@@ -172,7 +174,7 @@ def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
             f"{explain_bolt_circle(reducer, casing.outer, casing.seat, casing.wall, casing.cavity)}: state "
             "--motor-shaft-mm, or make it longer for a coupling (shaft.length_mm)"
         )
-    return f"Turn the crank by hand through one turn; {motor_text}."
+    return f"Turn the crank by hand through one turn{centring_text}; {motor_text}."
 
 
 def _describe_output_pins(reducer: Reducer) -> str:
