@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -135,42 +135,43 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears. With
     film friction this differs between contacts, so flanks and seats wear.
     """
-    design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
-    surface = partial(WearingSurface, gap="teeth", length=design.line_length(design.tooth_pair))
-    count = ring.mate_count * design.gear.discs
+    design, ring = reducer.design, reducer.design.ring
+    length, lobe_height = design.line_length(design.tooth_pair), 2.0 * design.gear.eccentricity
+    round_surface = partial(_round_surface, gap="teeth", count=ring.mate_count * design.gear.discs, length=length)
+    pin = partial(round_surface, ring.pin_radius, key="pin", name="pins", part="pin")
     phase = np.append(table_angles(TABLE), math.pi)
-    angle_on_pin = profile.conjugate_alpha(gear, phase)
+    angle = profile.conjugate_alpha(reducer.tooth_profile, phase)
     seat, bore_radius = design.seat_pair, ring.sleeve_bore_radius
-    circumference = 2.0 * math.pi * ring.pin_radius
-    coordinate, lobe_height = ring.pin_radius * angle_on_pin, 2.0 * design.gear.eccentricity
     seats_wear = bool(seat) and (design.has_film or design.mesh_friction < design.friction_of(design.tooth_pair))
     flanks_wear = not seats_wear or design.has_film
     if flanks_wear:
-        flank_length = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
-        flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
-        flank_count = design.lobes * design.gear.discs * ring.halves
-        flank = partial(surface, "flank", "flanks of the discs", "gear", "flank", thickness=lobe_height)
-        yield flank(flank_count, flank_length, flank_coordinate)
+        yield WearingSurface(
+            *("flank", "flanks of the discs", "gear", "flank"),
+            count=design.lobes * design.gear.discs * ring.halves,
+            section=profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes,
+            contact_coordinate=-profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset),
+            gap="teeth",
+            length=length,
+            thickness=lobe_height,
+        )
     if seat == "pin_socket":
         # a smaller pin also widens the clearance of its socket
-        yield surface("pin", "pins", "pin", "teeth", count, circumference, opening=2.0, thickness=ring.pin_radius)
+        yield pin(contacts="teeth", opening=2.0, thickness=ring.pin_radius)
     elif seat and flanks_wear:
-        wall = ring.pin_radius - bore_radius
-        yield surface("pin", "pins", "pin", "flank", count, circumference, thickness=wall)
-    elif ring.kind == "pin":
-        yield surface("pin", "pins", "pin", "flank", count, circumference, coordinate, thickness=ring.pin_radius)
-    else:
-        lobe = partial(surface, "lobe", "lobes of the ring", "housing", "flank", thickness=lobe_height)
-        yield lobe(count, circumference, coordinate)
+        yield pin(contacts="flank", thickness=ring.pin_radius - bore_radius)
+    elif not seat and ring.kind == "pin":
+        yield pin(angle, contacts="flank", thickness=ring.pin_radius)
+    elif not seat:
+        lobe = partial(round_surface, key="lobe", name="lobes of the ring", part="housing", contacts="flank")
+        yield lobe(ring.pin_radius, angle, thickness=lobe_height)
+    seat_surface = partial(round_surface, contacts="seat")
     if seats_wear and seat == "pin_socket":
-        socket = partial(surface, "socket", "sockets of the pins", "housing", "seat")
-        yield socket(count, circumference, coordinate, thickness=_walls(reducer)["housing_ligament"])
+        socket = partial(seat_surface, key="socket", name="sockets of the pins", part="housing")
+        yield socket(ring.pin_radius, angle, thickness=_walls(reducer)["housing_ligament"])
     elif seats_wear:
-        section, lever = 2.0 * math.pi * bore_radius, bore_radius / ring.pin_radius
-        sleeve = partial(surface, "sleeve", "bores of the sleeves", "pin", "seat", count, section, lever=lever)
-        yield sleeve(thickness=ring.pin_radius - bore_radius)
-        core = partial(surface, "core", "pins in sleeves", "pin", "seat", count, section, lever=lever)
-        yield core(contact_coordinate=bore_radius * angle_on_pin, thickness=bore_radius)
+        in_sleeve = partial(seat_surface, bore_radius, part="pin", lever=bore_radius / ring.pin_radius)
+        yield in_sleeve(key="sleeve", name="bores of the sleeves", thickness=ring.pin_radius - bore_radius)
+        yield in_sleeve(angle, key="core", name="pins in sleeves", thickness=bore_radius)
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -180,29 +181,21 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     """
     design, output = reducer.design, reducer.design.output
     angle = np.append(table_angles(TABLE), math.pi)
-    surface = partial(
-        WearingSurface,
-        contacts="output",
-        count=output.pins * design.gear.discs,
-        gap="output",
-        length=design.line_length("output"),
-    )
+    count, length = output.pins * design.gear.discs, design.line_length("output")
+    surface = partial(_round_surface, contacts="output", gap="output", count=count, length=length)
     if not output.rollers:
         walls = _walls(reducer)
         # two holes wear the wall between them
         hole_wall = min(0.5 * walls["hole_to_hole"], walls["hole_to_root"], walls["bore_to_hole"])
-        for key, name, part, radius, thickness in (
-            ("hole", "holes of the discs", "gear", output.hole_radius, hole_wall),
-            ("output_pin", "output pins", "output", output.pin_radius, output.pin_radius),
-        ):
-            worn_circle = partial(surface, section=2.0 * math.pi * radius, contact_coordinate=radius * angle)
-            yield worn_circle(key, name, part, thickness=thickness)
+        hole = partial(surface, key="hole", name="holes of the discs", part="gear")
+        yield hole(output.hole_radius, angle, thickness=hole_wall)
+        pin = partial(surface, key="output_pin", name="output pins", part="output")
+        yield pin(output.pin_radius, angle, thickness=output.pin_radius)
     elif not output.has_needles:
         radius = output.root_radius
-        roller = partial(surface, section=2.0 * math.pi * radius, lever=radius / output.pin_radius)
-        yield roller("roller", "bores of the rollers", "output", thickness=output.pin_radius - radius)
-        core = partial(roller, contact_coordinate=radius * angle)
-        yield core("roller_core", "cores of the rollers", "output", thickness=radius)
+        roller = partial(surface, radius, part="output", lever=radius / output.pin_radius)
+        yield roller(key="roller", name="bores of the rollers", thickness=output.pin_radius - radius)
+        yield roller(angle, key="roller_core", name="cores of the rollers", thickness=radius)
 
 
 def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -211,21 +204,22 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     The cam wears where the load presses, the bore evenly.
     """
     gear = reducer.design.gear
-    if gear.bearing != "plain":
-        return
-    angle = np.append(table_angles(TABLE), math.pi)
-    surface = partial(
-        WearingSurface,
-        contacts="cam",
-        count=gear.discs,
-        section=2.0 * math.pi * gear.bore_radius,
-        gap="cam",
-        length=gear.face_width,
-    )
-    bore_wall = _walls(reducer)["bore_to_hole"]
-    yield surface("bore", "bores of the discs", "gear", thickness=bore_wall)
-    cam_coordinate = gear.bore_radius * angle
-    yield surface("cam", "cams", "shaft", contact_coordinate=cam_coordinate, thickness=gear.bore_radius)
+    if gear.bearing == "plain":
+        angle = np.append(table_angles(TABLE), math.pi)
+        surface = partial(_round_surface, gear.bore_radius, contacts="cam", gap="cam")
+        surface = partial(surface, count=gear.discs, length=gear.face_width)
+        yield surface(key="bore", name="bores of the discs", part="gear", thickness=_walls(reducer)["bore_to_hole"])
+        yield surface(angle, key="cam", name="cams", part="shaft", thickness=gear.bore_radius)
+
+
+def _round_surface(radius: float, angle: Array | None = None, **fields: Any) -> WearingSurface:
+    """Return a wearing surface with a circular section of some radius [m].
+
+    `angle` [rad] is that of the contact on the circle at the angles of the table, shape (`TABLE` + 1,). Without it, the
+    surface wears evenly. `fields` are the other attributes of the surface.
+    """
+    coordinate = None if angle is None else radius * angle
+    return WearingSurface(section=2.0 * math.pi * radius, contact_coordinate=coordinate, **fields)
 
 
 def _walls(reducer: Reducer) -> dict[str, float]:

@@ -238,6 +238,15 @@ def test_a_computation_ends_where_a_part_is_worn_through(monkeypatch: pytest.Mon
     assert before.extrapolated()
 
 
+def test_sleeves_that_always_turn_wear_in_their_bores_only() -> None:
+    rolling = SLEEVED.but(friction={"law": "coulomb", "pin_gear": 0.2, "pin_sleeve": 0.05})
+    thickness = {item.key: item.thickness for item in wearing_surfaces(Reducer(rolling))}
+    ring = rolling.ring
+    assert thickness == pytest.approx(
+        {"sleeve": ring.pin_radius - ring.sleeve_bore_radius, "core": ring.sleeve_bore_radius}
+    )
+
+
 def test_parts_are_worn_through_at_the_height_of_a_lobe_or_the_thickness_of_a_wall() -> None:
     thickness = {item.key: item.thickness for item in wearing_surfaces(Reducer(PLAIN))}
     hole_wall = PLAIN.output.pin_circle_radius * math.sin(math.pi / PLAIN.output.pins) - PLAIN.output.hole_radius
