@@ -45,6 +45,11 @@ def _has_output_bearings(reducer: Reducer) -> bool:
     return reducer.main_bearing is not None if isinstance(reducer, RvReducer) else _has_covers(reducer)
 
 
+def _has_cold_sizes(reducer: Reducer) -> bool:
+    """Return whether the sizes are those at 20 °C, not of warm parts as in a log."""
+    return not reducer.design.thermal.applied
+
+
 def _make_catalogue_entries(
     need: Need,
     module: str,
@@ -143,10 +148,10 @@ UPPER_FIGURES = (
     ]),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         (f"{key}_speed", "rpm", f"largest speed of the crank, {words}",
-         f"Speed of the crank at which the housing reaches its temperature limit under the nominal torque, {words}; at "
-         "most the largest speed that its bearings allow.")
+         f"Speed of the crank at which the hottest part reaches its temperature limit, or the parts jam, under the "
+         f"nominal torque, {words}, by `cycloid-mj thermal`; at most the largest speed that its bearings allow.")
         for key, words in (("continuous", "continuous"), ("intermittent", "for a quarter of the time"))
-    ]),
+    ], _has_cold_sizes),
     *_make_catalogue_entries(Need.STATICS, "life.output_bearing", [
         ("output_tilting_capacity", "N m", "tilting moment on the output",
          "Moment perpendicular to the axis that the bearings of the output's hub carry in addition to the nominal "

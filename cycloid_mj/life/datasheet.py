@@ -328,7 +328,7 @@ def _rating_rows(
             f"Rated torque, {life:g} h",
             rated_value,
             "N m",
-            note=f"{condition}, safety factor 1; limited by {weakest_item.name}",
+            note=f"{condition}, safety factor 1; limited by {weakest_item.name}{_heat_note(reducer, rated_value)}",
         ),
         Quantity(
             "bearing_torque",
@@ -354,6 +354,14 @@ def _rating_rows(
         nominal_torque_row(design),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
     )
+
+
+def _heat_note(reducer: Reducer, rated_torque_limit: float) -> str:
+    """Return a clause on a rated torque [N m] beyond the thermal torque limit; empty if it is below, or not known."""
+    if reducer.design.thermal.applied:
+        return ""
+    limit = thermal(reducer.design).torque
+    return f"; more than the thermal torque limit, {limit:.4g} N m" if limit < rated_torque_limit else ""
 
 
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
@@ -458,10 +466,10 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     """
     if reducer.design.thermal.applied:
         return
-    thermal_state = thermal(reducer.design)
+    thermal_state = replace(thermal(reducer.design), momentary_torque=momentary_torque(reducer)[0])
     condition = f"{thermal_state.condition}; conductances assumed"
     if math.isfinite(thermal_state.torque):
-        limit_note = f"{condition}; limit: {thermal_state.limited_by}"
+        limit_note = f"{condition}; limit: {thermal_state.torque_words}"
         yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=limit_note)
     jam_note = f"{condition}; {thermal_state.jam_difference:.3g} K close the teeth"
     yield Quantity("disc_over_ring", "Disc warmer than the ring", thermal_state.difference, "K", note=jam_note)
@@ -470,23 +478,21 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of a data sheet on the continuous, the intermittent and the largest input speed [rpm].
 
-    The first two are for the nominal torque, all the time (S1) and for a quarter of it (S3). The grease in the bearings
-    limits the largest speed (`figures.largest_speed`).
+    The first two are for the nominal torque, all the time (S1) and for a quarter of it (S3). They are left out if the
+    sizes are those of warm parts (``thermal.applied``). The grease in the bearings limits the largest speed.
     """
-    return (
-        figure_row(
-            reducer,
-            "continuous_speed_rpm",
-            "Continuous input speed",
-            "nominal torque, S1, limited by heat and bearings",
-        ),
-        figure_row(reducer, "intermittent_speed_rpm", "Intermittent input speed", "nominal torque, S3 25 %"),
-        figure_row(
-            reducer,
-            "largest_speed_rpm",
+    conditions = {
+        "continuous_speed_rpm": ("Continuous input speed", "nominal torque, S1, limited by heat and bearings"),
+        "intermittent_speed_rpm": ("Intermittent input speed", "nominal torque, S3 25 %, limited by heat and bearings"),
+        "largest_speed_rpm": (
             "Maximum input speed",
             "grease-lubricated bearings, n d_m 300 000 (half without a cage)",
         ),
+    }
+    return tuple(
+        figure_row(reducer, key, name, condition)
+        for key, (name, condition) in conditions.items()
+        if key == "largest_speed_rpm" or not reducer.design.thermal.applied
     )
 
 

@@ -8,6 +8,7 @@ from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.life.rated import is_bearing_life, momentary_torque, rated_torque
+from cycloid_mj.life.thermal import permissible_speed
 from cycloid_mj.parts import body_inertia
 from cycloid_mj.parts.export import cam_bearing, drive
 from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
@@ -85,10 +86,7 @@ def largest_speed(reducer: Reducer) -> float:
 
 
 def continuous_speed(reducer: Reducer) -> float:
-    """Compute the largest continuous speed of the crank [rpm] at the nominal torque, by heat and bearings.
-
-    Losses are taken as proportional to the speed.
-    """
+    """Compute the largest continuous speed of the crank [rpm] at the nominal torque, by heat and bearings."""
     return _speed_by_heat(reducer, 1.0)
 
 
@@ -97,10 +95,9 @@ def intermittent_speed(reducer: Reducer) -> float:
     return _speed_by_heat(reducer, SPEED_LIMITS.intermittent_share)
 
 
-def _speed_by_heat(reducer: Reducer, duty: float) -> float:
-    """Compute the largest speed of the crank [rpm] for a share of the time, by heat and bearings."""
-    safety = (rate_at_rated_load(reducer).items["temperature"].safety or math.inf) * reducer.design.service.duty_share
-    return min(abs(reducer.design.drive.speed) / RPM * safety / duty, largest_speed(reducer))
+def _speed_by_heat(reducer: Reducer, duty_share: float) -> float:
+    """Compute the largest speed of the crank [rpm] for a share of the time, by heat (`thermal`) and bearings."""
+    return min(permissible_speed(reducer.design, duty_share) / RPM, largest_speed(reducer))
 
 
 def life(reducer: Reducer) -> float:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,16 +11,15 @@ from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.explore.rv_samples import draw_rv_samples
 from cycloid_mj.life.as_built import SETTINGS as TOLERANCE_SETTINGS
-from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
+from cycloid_mj.life.heat import describe_cooling, describe_duty
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.no_load import grease_of
 from cycloid_mj.life.rated import is_bearing_life, momentary_torque, rated_torque
 from cycloid_mj.life.sheet_rows import (
     SETTINGS,
     contact_torque,
     describe_speed,
+    environment_rows,
     figure_row,
-    grease_rows,
     nominal_torque_row,
     ratio_row,
     warm_text,
@@ -28,7 +27,7 @@ from cycloid_mj.life.sheet_rows import (
     with_name,
 )
 from cycloid_mj.life.steady_state import at_steady_temperatures
-from cycloid_mj.life.thermal import thermal
+from cycloid_mj.life.thermal import permissible_speed, thermal
 from cycloid_mj.parts import input_inertia
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
@@ -104,7 +103,7 @@ def rv_further_groups(reducer: RvReducer) -> dict[str, tuple[Quantity, ...]]:
     """Return the groups that do not depend on errors of the parts: heading -> quantities."""
     return {
         "Mass and size": tuple(_mass_rows(reducer)),
-        "Lubrication and environment": tuple(_environment_rows(reducer)),
+        "Lubrication and environment": tuple(environment_rows(reducer)),
     }
 
 
@@ -227,9 +226,10 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
         note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
     )
     if math.isfinite(thermal_state.torque):
-        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {thermal_state.limited_by}"
+        words = replace(thermal_state, momentary_torque=momentary_torque(reducer)[0]).torque_words
+        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {words}"
         yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=note)
-    if math.isfinite(speed := thermal(reducer.design.but(service={"duty_share": 1.0})).speed):
+    if math.isfinite(speed := permissible_speed(reducer.design, 1.0)):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
         yield Quantity("continuous_speed_rpm", "Continuous input speed", speed / RPM, "rpm", note=note)
     note = f"{condition}; {thermal_state.jam_difference:.3g} K close the teeth"
@@ -271,31 +271,6 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
     yield Quantity("length", "Length of the mechanism", length, "mm", note="planets to the outer face of the carrier")
     width = MILLIMETRES * design.gear.face_width
     yield Quantity("face_width", "Face width", width, "mm", note=f"of {discs} disc{'s'[: discs > 1]}")
-
-
-def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of grease viscosity, ambient temperature limits [°C], and permissible duty [%].
-
-    The duty is the share of the time at nominal torque and speed that heat allows. All temperature rises are assumed to
-    be in proportion to the share of the time. The largest ambient temperature is left out if the nominal torque allows
-    no temperature in the range of the grease.
-    """
-    design = reducer.design
-    yield from grease_rows(design)
-    if design.thermal.applied:
-        return
-    duty_share, ambient = design.service.duty_share, design.service.ambient_temperature
-    thermal_state = thermal(design)
-    limit = min(heat_limits(reducer), key=lambda item: item.temperature)
-    max_rise = max(thermal_state.temperatures.values()) - ambient
-    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
-    limit_text = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
-    if limit.temperature - max_rise >= grease_of(design).coldest:
-        max_ambient, note = limit.temperature - max_rise, f"{condition}, {describe_duty(design)}; then {limit_text}"
-        yield Quantity("ambient_max", "Ambient temperature, to", max_ambient, "°C", note=note)
-    share = 100.0 * min(duty_share * (limit.temperature - ambient) / max_rise, 1.0) if max_rise > 0.0 else 100.0
-    note = f"{condition}; limit: {limit_text}"
-    yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
 def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:

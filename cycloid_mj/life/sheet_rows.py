@@ -18,15 +18,17 @@ from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import bearing_forces, bearings_of
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
-from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
+from cycloid_mj.life.steady_state import solve_steady_state
+from cycloid_mj.life.thermal import thermal
+from cycloid_mj.life.thermal_limits import find_rise_limit
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.bearings import ROLLER_FIT, roller_bearing
 from cycloid_mj.parts.export.casing import casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.film import lubricant_temperature, state_seals
 from cycloid_mj.statics.film_spread import Spread
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
@@ -259,19 +261,29 @@ def grease_rows(design: Design) -> Iterator[Quantity]:
 def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
     """Yield the data-sheet rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
 
-    The duty is the share of the time at nominal torque and speed [%] that heat allows. The highest ambient temperature
-    is left out if the nominal torque allows no temperature in the range of the grease.
+    The duty is the share of the time at nominal torque and speed [%] that heat allows. Temperature rises are assumed to
+    be the share of the time multiplied by those in the steady state of continuous duty (`solve_steady_state`). The
+    highest ambient temperature is left out if the nominal torque allows no temperature in the range of the grease. If
+    the sizes are those of warm parts (``thermal.applied``), only the rows of the grease are yielded.
     """
-    design, housing_item = reducer.design, rate_at_rated_load(reducer).items["temperature"]
+    design = reducer.design
     yield from grease_rows(design)
+    if design.thermal.applied:
+        return
+    duty_share, ambient = design.service.duty_share, design.service.ambient_temperature
+    continuous = reducer_of(design.at_reference.but(service={"duty_share": 1.0}))
+    temperatures = solve_steady_state(continuous, constant_duty(design.rated_torque, design.drive.speed)).temperatures
+    rises = {part: value - ambient for part, value in temperatures.items()}
+    rise_limit, max_rise = find_rise_limit(continuous, rises), duty_share * max(rises.values())
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
-    max_ambient = limit.temperature - (housing_item.value - design.service.ambient_temperature)
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(design)}"
-    if max_ambient >= grease_of(design).coldest:
-        note = f"{condition}, {describe_duty(design)}; then {limit.temperature:g} °C at the housing ({limit.name})"
-        yield Quantity("ambient_max", "Ambient temperature, to", max_ambient, "°C", note=note)
-    share = 100.0 * min(design.service.duty_share * (housing_item.safety or 1.0), 1.0)
-    note = f"{condition}; limited by {housing_item.name}"
+    limit_text = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
+    if limit.temperature - max_rise >= grease_of(design).coldest:
+        jam_note = "; the parts jam at any ambient temperature" if thermal(design).jams else ""
+        note = f"{condition}, {describe_duty(design)}; then {limit_text}{jam_note}"
+        yield Quantity("ambient_max", "Ambient temperature, to", limit.temperature - max_rise, "°C", note=note)
+    share = 100.0 * min(rise_limit.factor, 1.0)
+    note = f"{condition}; limit: {rise_limit.name if share < 100.0 else limit_text}"
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 

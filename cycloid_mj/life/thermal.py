@@ -1,7 +1,7 @@
 """Steady temperatures of a drive, its warm-up, and the torque and speed that heat allows."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -10,11 +10,11 @@ import numpy as np
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, add_rests, constant_duty, describe_condition
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, describe_condition
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction
 from cycloid_mj.life.steady_state import SETTINGS, SteadyState, ThermalSettings, solve_steady_state
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
-from cycloid_mj.life.thermal_limits import find_speed_limit, find_torque_factor, thermal_margins
+from cycloid_mj.life.thermal_limits import ScaleLimit, find_speed_factor, find_torque_factor, thermal_margins
 from cycloid_mj.life.thermal_network import heat_by_node
 from cycloid_mj.life.thermal_state import ThermalState, TightestTime
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
@@ -63,7 +63,13 @@ def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -
     course = _solve_warm_up(reducer, duty, steady_state, settings)
     moments = _follow_clearances(reducer.design, course)
     tightest = min(moments, key=lambda moment: min(moment.play, moment.clearance))
-    factor, limited_by = _find_torque_limit(cold, duty, settings)
+    torque_factor, limited_by = _limit_in_cycles(
+        cold,
+        duty,
+        find_torque_factor(cold, duty, settings),
+        lambda point, factor: {"torque": factor * point.torque},
+        settings,
+    )
     return ThermalState(
         design=reducer.design.name,
         condition=f"{describe_condition(reducer.design, duty)}, ambient {ambient:g} °C",
@@ -75,7 +81,7 @@ def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -
         jam_difference=jam_difference(reducer.design),
         clearances=warm_clearances(warm_design),
         play=tooth_play(warm_design),
-        torque=factor * max(abs(point.torque) for point in duty.points if point.speed),
+        torque=torque_factor * max(abs(point.torque) for point in duty.points if point.speed),
         speed=find_speed_limit(cold, duty, settings),
         limited_by=limited_by,
         times=course.times,
@@ -142,22 +148,58 @@ def _follow_clearances(design: Design, course: TemperatureCourse) -> list[Tighte
     return moments
 
 
-def _find_torque_limit(reducer: Reducer, duty: Duty, settings: ThermalSettings) -> tuple[float, str]:
-    """Find the largest factor on all torques of a duty that heat allows, and the limit in words.
+@once
+def find_speed_limit(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> float:
+    """Find the largest crank speed [rad/s] that heat allows, if all speeds of a duty are scaled by the same factor.
 
-    No thermal limit may be exceeded by the mean temperatures, nor at any time of the warm-up and of a cycle. The
-    reducer is at 20 °C.
+    The duty states its rests, and the reducer is at 20 °C. The result is inf if no speed is too large.
+
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
+    RunError
+        No static equilibrium exists under a torque of the duty.
+    """
+    by_mean = find_speed_factor(reducer, duty, settings)
+    factor, _ = _limit_in_cycles(
+        reducer, duty, by_mean, lambda point, factor: {"speed": factor * point.speed}, settings
+    )
+    return factor * max(point.speed for point in duty.points)
+
+
+def permissible_speed(design: Design, duty_share: float) -> float:
+    """Find the largest crank speed [rad/s] that heat allows at the nominal torque for a share of the time [1].
+
+    It is `ThermalState.speed` of this duty. Errors are those of `thermal`.
+    """
+    cold = reducer_of(design.at_reference.but(service={"duty_share": duty_share}))
+    duty = constant_duty(cold.design.rated_torque, cold.design.drive.speed)
+    return find_speed_limit(cold, add_rests(duty, duty_share))
+
+
+def _limit_in_cycles(
+    reducer: Reducer,
+    duty: Duty,
+    by_mean: ScaleLimit,
+    scale_point: Callable[[DutyPoint, float], dict[str, float]],
+    settings: ThermalSettings,
+) -> tuple[float, str]:
+    """Find the largest factor on all torques or speeds of a duty that heat allows, and the limit in words.
+
+    No thermal limit may be exceeded by the mean temperatures, nor at any time of the warm-up and of a cycle. `by_mean`
+    is the limit by the mean temperatures; `scale_point` is a function from a point of the duty and a factor to the
+    changed values of the point. The reducer is at 20 °C.
     """
     from scipy.optimize import brentq
 
-    by_mean = find_torque_factor(reducer, duty, settings)
     if len(duty.points) == 1 or not 0.0 < by_mean.factor < math.inf:
         return by_mean.factor, by_mean.limit.name
 
     @cache
     def tightest_margin(factor: float) -> tuple[float, str]:
-        """Return the smallest margin in time and its limit in words, for the torques times a factor."""
-        points = tuple(replace(point, torque=factor * point.torque) for point in duty.points)
+        """Return the smallest margin in time and its limit in words, for the duty scaled by a factor."""
+        points = tuple(replace(point, **scale_point(point, factor)) for point in duty.points)
         scaled_duty = replace(duty, points=points)
         steady_state = solve_steady_state(reducer, scaled_duty, settings)
         course = _solve_warm_up(state_seals(reducer), scaled_duty, steady_state, settings)

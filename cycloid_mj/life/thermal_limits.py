@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import at_temperatures, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, turning_points
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, turning_points
 from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.steady_state import (
     NO_EQUILIBRIUM,
@@ -69,7 +69,7 @@ class RiseLimit:
     rises: dict[str, float]
 
 
-def find_rise_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> RiseLimit:
+def find_rise_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings = SETTINGS) -> RiseLimit:
     """Find the factor on temperature rises of the parts over the air [K] at which the first thermal limit is reached.
 
     `settings` are those of the thermal computation.
@@ -216,10 +216,10 @@ def _start_search(reducer: Reducer, steady_state: SteadyState, settings: Thermal
 
 
 @once
-def find_speed_limit(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> float:
-    """Find the largest crank speed [rad/s] that heat allows, if all speeds of a duty cycle are scaled equally.
+def find_speed_factor(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> ScaleLimit:
+    """Find the largest factor on all speeds of a duty at which its mean losses exceed no thermal limit.
 
-    The reducer is at 20 °C. The result is inf if no speed is too large; errors as `solve_steady_state`.
+    The reducer is at 20 °C; errors as `solve_steady_state`.
     """
     steady_state, reducer = solve_steady_state(reducer, duty, settings), state_seals(reducer)
     points = _running_points(reducer, duty)
@@ -229,14 +229,7 @@ def find_speed_limit(reducer: Reducer, duty: Duty, settings: ThermalSettings = S
         lambda factor: [replace(point, speed=factor * point.speed) for point in points],
         settings.largest,
     )
-    factor = search.solve(_start_search(reducer, steady_state, settings)).factor
-    return factor * max(point.speed for point in points)
-
-
-def continuous_speed(reducer: Reducer, duty_share: float = 1.0) -> float:
-    """Find the largest crank speed [rad/s] that heat allows at the nominal torque for a share of the time [1]."""
-    design = reducer.design.at_reference.but(service={"duty_share": duty_share})
-    return find_speed_limit(type(reducer)(design), constant_duty(design.rated_torque, design.drive.speed))
+    return search.solve(_start_search(reducer, steady_state, settings))
 
 
 def _running_points(reducer: Reducer, duty: Duty) -> tuple[DutyPoint, ...]:

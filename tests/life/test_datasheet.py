@@ -13,14 +13,17 @@ from page_texts import require_separate_texts
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.units import RPM
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.figures import figure
+from cycloid_mj.life import datasheet as datasheet_module
 from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, life_curve
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.sheet_rows import describe_roller_play, environment_rows
+from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import input_inertia, mass_properties, parts
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.prism import Prism
@@ -263,10 +266,49 @@ def test_makers_rows_state_units_and_conditions(sheet) -> None:
     assert rows["running_torque_warm"].value < rows["running_torque_cold"].value
     assert rows["starting_torque_drive"].value > 100.0 * rows["starting_torque_nm"].value
     assert rows["back_driving_torque_drive"].value > 35.0 * rows["starting_torque_drive"].value
-    assert rows["ambient_max"].value == pytest.approx(100.0 - rows["temperature_rise"].value)
+    hottest = max(thermal(PIN).temperatures.values())
+    assert rows["ambient_max"].value == pytest.approx(100.0 - (hottest - 20.0))
+    assert rows["ambient_max"].note.endswith("; the parts jam at any ambient temperature")
     tightening = [row for key, row in rows.items() if key.startswith("tightening_")]
     assert {row.unit for row in tightening} == {"N m"}
     assert len(tightening) == 4
+
+
+def test_a_sheet_states_the_limits_of_the_thermal_command(sheet) -> None:
+    """`pin`: 1138 rpm, where its crank reaches 100 °C. By its housing alone it was 1532 rpm."""
+    rows, state = told(sheet), thermal(PIN)
+    assert state.speed / RPM == pytest.approx(1138.0, rel=5e-3)
+    assert rows["continuous_speed_rpm"].value == pytest.approx(state.speed / RPM)
+    assert figure("continuous_speed_rpm").value(Reducer(PIN)) == pytest.approx(state.speed / RPM)
+    assert rows["thermal_torque"].value == pytest.approx(state.torque)
+    paused = thermal(PIN.but(service={"duty_share": 0.25}))
+    assert rows["intermittent_speed_rpm"].value == pytest.approx(paused.speed / RPM)
+    assert rows["intermittent_speed_rpm"].value < rows["largest_speed_rpm"].value
+    hottest = max(state.temperatures.values())
+    assert rows["duty"].value == pytest.approx(100.0 * 80.0 / (hottest - 20.0), rel=1e-5)
+    assert rows["duty"].note.endswith("limit: 100 °C, grease")
+
+
+def test_a_paused_drive_jams_beyond_its_intermittent_speed() -> None:
+    """The limit of a cycle of 10 minutes, not of its mean temperatures: `nonpin`, a quarter of the time."""
+    design = PRESETS["nonpin"].but(service={"duty_share": 0.25})
+    limit = figure("intermittent_speed_rpm").value(Reducer(PRESETS["nonpin"])) * RPM
+    for share, jams in ((0.97, False), (1.03, True)):
+        state = thermal(design, constant_duty(design.rated_torque, share * limit))
+        assert state.jams == jams, share
+
+
+def test_a_rated_torque_beyond_the_thermal_limit_states_it() -> None:
+    note = datasheet_module._heat_note(Reducer(PRESETS["twodisc"]), 39.6)
+    assert note == f"; more than the thermal torque limit, {thermal('twodisc').torque:.4g} N m"
+    assert datasheet_module._heat_note(Reducer(PRESETS["twodisc"]), 30.0) == ""
+
+
+def test_a_thermal_torque_beyond_the_strength_is_marked() -> None:
+    """`printed` would reach 80 °C at 108 N m, but its dowels fail at 23 N m."""
+    rows = {row.key: row for row in datasheet_module._thermal_rows(Reducer(PRESETS["printed"]))}
+    assert rows["thermal_torque"].value > 100.0
+    assert "by heat alone, the momentary torque is 22.85 N m" in rows["thermal_torque"].note
 
 
 def test_motor_torque_includes_the_losses(sheet) -> None:
