@@ -60,6 +60,9 @@ class _Gauges:
         return self.low <= size <= self.high and abs(size / self.step - round(size / self.step)) < 1e-6
 
 
+DOWELS = "ISO 8734"
+"""Standard of hardened dowels, in their designation."""
+
 GAUGES = "DIN 2269"
 """Standard of pin gauges, in their designation."""
 
@@ -600,7 +603,7 @@ def longest_dowel(diameter: float, max_length: float) -> Dowel | None:
     size_mm = round(diameter / MM, 6)
     shortest, longest = _DOWELS[size_mm]
     lengths = [item for item in _LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
-    return Dowel(f"ISO 8734 - {size_mm:g} x {lengths[-1]} - A", diameter, lengths[-1] * MM) if lengths else None
+    return Dowel(f"{DOWELS} - {size_mm:g} x {lengths[-1]} - A", diameter, lengths[-1] * MM) if lengths else None
 
 
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
@@ -616,7 +619,7 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
         count = max(-(-length_mm // max_length), 1)
         stock_lengths = [stock_length for stock_length in _LENGTHS if min_length <= stock_length <= max_length]
         dowel_length = stock_lengths[min(bisect_left(stock_lengths, length_mm / count - 1e-6), len(stock_lengths) - 1)]
-        return Dowel(f"ISO 8734 - {size_mm:g} x {dowel_length} - A", diameter, dowel_length * MM), int(count)
+        return Dowel(f"{DOWELS} - {size_mm:g} x {dowel_length} - A", diameter, dowel_length * MM), int(count)
     if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
         return Dowel(f"{GAUGES} - {size_mm:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
     return None

@@ -19,8 +19,21 @@ from cycloid_mj.reducer import RvReducer
 def thermal_of(design: Named, duty: Duty | None = None, settings: ThermalSettings = SETTINGS) -> ThermalState:
     """Compute temperatures, warm-up and limits of a drive; from Python as ``cm.thermal(design)``.
 
-    Parameters, result and errors are those of `thermal`. The result also has the momentary torque and the largest speed
-    of the greased bearings; limits by heat beyond these values are marked.
+    Parameters
+    ----------
+    design, duty, settings
+        As for `thermal`.
+
+    Returns
+    -------
+    ThermalState
+        That of `thermal`, with the momentary torque and the largest speed of the greased bearings; limits by heat
+        beyond these values are marked.
+
+    Raises
+    ------
+    DesignError, RunError, UsageError
+        As `thermal`.
     """
     state = thermal(design, duty, settings)
     torque = speed = math.nan

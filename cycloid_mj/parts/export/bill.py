@@ -419,7 +419,7 @@ def _pin_line(
     line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut_length)
     text = fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
     named = replace(line, designation=pin.designation, fit=text)
-    return replace(named, material=DOWEL_MATERIAL) if pin.designation.startswith("ISO 8734") else named
+    return replace(named, material=DOWEL_MATERIAL) if pin.designation.startswith(stock.DOWELS) else named
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
