@@ -62,6 +62,8 @@ NEW_DRIVES: Mapping[str, str] = {
     "--set output.main_bearings=crossed_roller",
     "printed": "--process printed --ratio 15 --diameter-mm 70 --torque-nm 1.5 --speed-rpm 200 --life-h 500",
     "printed-two-discs": "--process printed --ratio 21 --diameter-mm 110 --torque-nm 3 --discs 2",
+    "rv-main-bearings": "--layout rv --ratio 121 --diameter-mm 190 --torque-nm 412 "
+    "--set cranks.main_bearings=angular_contact",
     "printed-tapered": f"--process printed --ratio 15 --diameter-mm 130 --torque-nm 2 {BOTH_DISCS} "
     "--set output.main_bearings=tapered --set output.disc_thickness_mm=36",
 }

@@ -150,7 +150,8 @@ MAKERS: Mapping[str, Mapping[str, tuple[str, str]]] = {
 
 CATALOGUE = ("--output-rpm", "15", "--cooling", "mounted")
 MOTOR_SPEED = ("--speed-rpm", "2000", "--cooling", "mounted")
-RV = ("--layout", "rv", "--ratio", "121", "--cooling", "mounted")
+MAIN_BEARINGS = ("--set", "cranks.main_bearings=angular_contact")
+RV = ("--layout", "rv", "--ratio", "121", "--cooling", "mounted", *MAIN_BEARINGS)
 FINE = ("--clearance-um", "1")
 
 
@@ -179,8 +180,9 @@ DRIVES: Mapping[str, MarketDrive] = {
 """Drives by the name of their design file.
 
 Makers rate a reducer that is bolted to a machine: cooling is ``mounted``. Without a speed, an RV reducer turns its
-output at 15 rpm; without a duty, it is loaded for 40 % of the time. The bench drive carried 25 N m for a short time:
-half of it is required, because a drive of `design new` has to withstand twice the required torque.
+output at 15 rpm; without a duty, it is loaded for 40 % of the time. RV reducers have main bearings, as the makers'
+drives have. The bench drive carried 25 N m for a short time: half of it is required, because a drive of `design new`
+has to withstand twice the required torque.
 """
 
 CREATED = tuple(name for name, drive in DRIVES.items() if not drive.record)
@@ -236,6 +238,8 @@ RV_SHEET = {
     "lost_motion": "lost_motion_ideal",
     "backlash": "backlash",
     "stiffness": "stiffness_ideal",
+    "tilting_moment": "output_tilting_capacity_nm",
+    "tilting_stiffness": "output_tilting_stiffness_nm_per_arcmin",
     "efficiency": "efficiency",
     "disc_over_ring": "disc_over_ring",
 }
@@ -245,7 +249,7 @@ MOST, CHANGES = "maximum torque", "feasible changes"
 """Figures of a refusal in the table for download."""
 
 MASSES = {
-    "ring and ring pins": ("housing", "pin", "sleeve"),
+    "ring and ring pins": ("housing", "pin", "sleeve", "stop_ring"),
     "discs": ("gear",),
     "crank": ("shaft", "cam", "spacer", "crank", "key", "sun", "planet"),
     "carrier and output pins": ("output", "carrier"),
@@ -504,7 +508,10 @@ def _number(text: str) -> str:
     return f"{value:.0f}" if value >= 1e3 else f"{value:.3g}"
 
 
-CATALOGUE_FIGURES = ("rated_torque", "mass", "diameter", "length", "stiffness")
+CATALOGUE_FIGURES = (
+    *("rated_torque", "mass", "diameter", "length", "stiffness"),
+    *("tilting_moment", "tilting_stiffness"),
+)
 """Figures of the table of RV reducers on their page, as ratios; the lost motion is added as a value."""
 
 

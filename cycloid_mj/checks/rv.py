@@ -16,6 +16,7 @@ from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.rv_main_bearings import (
     main_bearing_space,
     min_flange_thickness,
+    stop_ring_thickness,
 )
 
 
@@ -258,7 +259,7 @@ def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         passed=bearing is not None,
         got=f"{reducer.cranks.main_bearings}, {bearing.designation if bearing else 'no bearing in stock'}",
         limit=f"a bearing with {space}",
-        why="a main bearing is between a flange and the housing, and its outer ring retains the ring pins",
+        why="a main bearing is between a flange and the housing, beyond the sockets of the ring pins",
         remedy="" if bearing else ", or ".join(remedies),
         key="cranks.main_bearings",
         changes=({"housing.outer_radius_mm": round(MILLIMETRES * min_radius, 6)},) if has_remedy else (),
@@ -267,7 +268,8 @@ def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         yield Rule(
             "main_bearing_width",
             Limit("cranks.flange_thickness", "at least", min_flange_thickness(reducer, bearing)),
-            f"a flange has the seat of the main bearing {bearing.designation} and a shoulder next to it",
+            f"a flange has the seat of the main bearing {bearing.designation} and a shoulder next to it"
+            + (", and passes a stop ring" if stop_ring_thickness(reducer, bearing) else ""),
         )
     has_sleeves = reducer.design.ring.has_sleeves
     yield Check(

@@ -22,7 +22,12 @@ from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.spur_gear import SpurGearContour
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
-from cycloid_mj.reducer.rv_main_bearings import main_bearing_ends, require_main_bearings
+from cycloid_mj.reducer.rv_main_bearings import (
+    flange_face,
+    main_bearing_ends,
+    require_main_bearings,
+    stop_ring_thickness,
+)
 
 CRANK, PLANET, SUN, CARRIER = names.CRANK, names.PLANET, names.SUN, "carrier"
 """Parts of an RV reducer, besides housing, pin and discs; the flanges are ``carrier_1`` and ``carrier_2``."""
@@ -159,6 +164,7 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     parts = [_rv_housing(reducer), *_rv_discs(reducer), *_crank_and_gears(reducer), *_carrier_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
         parts.append(_rv_pin(reducer))
+    parts += _stop_rings(reducer)
     half_width = reducer.design.gear.face_width / 2.0
     needle = Segment(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half_width, half_width)
     parts.append(Part(NEEDLE, (needle,), reducer.design.material_of("shaft").density))
@@ -168,24 +174,33 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
 def _rv_housing(reducer: RvReducer) -> Part:
     """Return the housing: the ring, and the seats of the main bearings at both ends, if there are any.
 
-    The ring is then as wide as the distance of the outer rings of the bearings.
+    The ring is then as wide as the distance of the flanges.
     """
     ring, bearing = housing_part(reducer), reducer.main_bearing
     if bearing is None:
         return ring
-    start, end = main_bearing_ends(reducer, bearing)
+    start, (_, end) = flange_face(reducer), main_bearing_ends(reducer, bearing)
     seat = Segment("bearing seat", ring.segments[0].outline, (CircleContour(0.5 * bearing.outside),), start, end)
     seats = replace(seat, z0=-end, z1=-start), seat
     return ring.of([*(replace(segment, z0=-start, z1=start) for segment in ring.segments), *seats])
 
 
 def _rv_pin(reducer: RvReducer) -> Part:
-    """Return a ring pin; between the outer rings of main bearings it has `PIN_END_PLAY` at both ends."""
-    pin, bearing = pin_part(reducer), reducer.main_bearing
-    if bearing is None:
+    """Return a ring pin; between main bearings or their stop rings it has `PIN_END_PLAY` at both ends."""
+    pin = pin_part(reducer)
+    if reducer.main_bearing is None:
         return pin
-    half_length = main_bearing_ends(reducer, bearing)[0] - PIN_END_PLAY
+    half_length = flange_face(reducer) - PIN_END_PLAY
     return pin.of([replace(segment, z0=-half_length, z1=half_length) for segment in pin.segments])
+
+
+def _stop_rings(reducer: RvReducer) -> Iterator[Part]:
+    """Yield the stop ring of a main bearing, about z = 0, if its outer ring does not retain the ring pins."""
+    bearing = reducer.main_bearing
+    if bearing and (thickness := stop_ring_thickness(reducer, bearing)):
+        outline, bore = CircleContour(0.5 * bearing.outside), CircleContour(reducer.design.pin_retaining_radius)
+        ring = Segment(names.STOP_RING, outline, (bore,), -thickness / 2.0, thickness / 2.0)
+        yield Part(names.STOP_RING, (ring,), reducer.design.material_of("housing").density)
 
 
 def _rv_discs(reducer: RvReducer) -> Iterator[Part]:

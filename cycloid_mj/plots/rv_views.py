@@ -36,6 +36,7 @@ PARTS = {
     NEEDLE: ("pins", ""),
     TAPERED_BEARING: ("pins", "xxxx"),
     names.OUTPUT_BEARING: ("pins", "xxxx"),
+    names.STOP_RING: ("ring", "////"),
 }
 """Family of parts -> style and hatching in the section."""
 

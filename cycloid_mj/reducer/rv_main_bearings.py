@@ -1,7 +1,8 @@
 """Main bearings of an RV reducer: a preloaded pair in stock, back to back, one on each flange of the carrier.
 
-The outer rings are in the housing, against its shoulders next to the ring pins, which they retain along the axis. The
-inner rings are on the flanges, which clamp them by a shoulder at their outer faces.
+The outer rings are in the housing, against its shoulders next to the ring pins, which they retain along the axis. If
+they are too large for this, a stop ring is between shoulder and outer ring. The inner rings are on the flanges, which
+clamp them by a shoulder at their outer faces.
 """
 
 from dataclasses import dataclass
@@ -28,7 +29,7 @@ class MainBearingSpace:
         Diameter out to which the sockets of the ring pins reach, and largest diameter that leaves a wall of the
         housing.
     max_shoulder
-        Largest radius of the shoulder of the outer ring, which retains the ring pins.
+        Largest radius of the shoulder of an outer ring that retains the ring pins.
     """
 
     min_bore: float
@@ -39,22 +40,21 @@ class MainBearingSpace:
     def __str__(self) -> str:
         """Describe the bearings that fit."""
         return (
-            f"a bore of at least {in_mm(self.min_bore)} mm, an outside diameter of {in_mm(self.min_outside)} to "
-            f"{in_mm(self.max_outside)} mm, and a shoulder of the outer ring of at most "
-            f"{in_mm(2.0 * self.max_shoulder)} mm"
+            f"a bore of at least {in_mm(self.min_bore)} mm and an outside diameter of {in_mm(self.min_outside)} to "
+            f"{in_mm(self.max_outside)} mm"
         )
 
     def fits_inside(self, bearing: stock.StockBearing) -> bool:
-        """Return whether the flange fits into a bearing that retains the ring pins, whatever the housing."""
-        return (
-            bearing.bore > self.min_bore - stock.ROUNDING
-            and bearing.outside > self.min_outside - stock.ROUNDING
-            and bearing.shoulders[1] < self.max_shoulder + stock.ROUNDING
-        )
+        """Return whether the flange fits into a bearing that is larger than the sockets, whatever the housing."""
+        return bearing.bore > self.min_bore - stock.ROUNDING and bearing.outside > self.min_outside - stock.ROUNDING
 
     def fits(self, bearing: stock.StockBearing) -> bool:
-        """Return whether a bearing fits between flange and housing, and retains the ring pins."""
+        """Return whether a bearing fits between flange and housing."""
         return self.fits_inside(bearing) and bearing.outside < self.max_outside + stock.ROUNDING
+
+    def retains_pins(self, bearing: stock.StockBearing) -> bool:
+        """Return whether the outer ring of a bearing retains the ring pins without a stop ring."""
+        return bearing.shoulders[1] < self.max_shoulder + stock.ROUNDING
 
 
 def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
@@ -69,17 +69,31 @@ def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
 
 
 def choose_main_bearing(reducer: "RvReducer") -> stock.StockBearing | None:
-    """Return the largest stock bearing that fits between flange and housing; None if none fits."""
-    space, bearings = main_bearing_space(reducer), stock.catalogued_angular_contact_bearings()
-    return next((bearing for bearing in reversed(bearings) if space.fits(bearing)), None)
+    """Return the largest stock bearing that fits between flange and housing; None if none fits.
+
+    Bearings that need no stop ring have priority.
+    """
+    space = main_bearing_space(reducer)
+    fitting = [bearing for bearing in stock.catalogued_angular_contact_bearings() if space.fits(bearing)]
+    return max(fitting, key=lambda bearing: (space.retains_pins(bearing), bearing.bore), default=None)
+
+
+def stop_ring_thickness(reducer: "RvReducer", bearing: stock.StockBearing) -> float:
+    """Return the thickness of the stop ring between ring pins and outer ring [m]; 0 if a `bearing` needs none."""
+    return 0.0 if main_bearing_space(reducer).retains_pins(bearing) else reducer.flange_wall
+
+
+def flange_face(reducer: "RvReducer") -> float:
+    """Return the distance of the inner faces of the flanges, and of the housing's shoulders, from the middle [m]."""
+    return 0.5 * reducer.design.gear.stack_width + AXIAL_GAP
 
 
 def main_bearing_ends(reducer: "RvReducer", bearing: stock.StockBearing) -> tuple[float, float]:
     """Return the ends along z [m] of the main bearing `bearing` away from the planets; the other is its mirror image.
 
-    It begins at the face of its flange next to the discs.
+    It begins at the face of its flange next to the discs, or at the stop ring.
     """
-    start = 0.5 * reducer.design.gear.stack_width + AXIAL_GAP
+    start = flange_face(reducer) + stop_ring_thickness(reducer, bearing)
     return start, start + bearing.width
 
 
@@ -92,8 +106,11 @@ def main_bearing_load_centre(reducer: "RvReducer", bearing: stock.StockBearing) 
 
 
 def min_flange_thickness(reducer: "RvReducer", bearing: stock.StockBearing) -> float:
-    """Return the smallest thickness [m] of a flange that has the seat of a `bearing` and the shoulder next to it."""
-    return bearing.width + reducer.flange_wall
+    """Return the smallest thickness [m] of a flange that has the seat of a `bearing` and the shoulder next to it.
+
+    It is rounded to 1 nm, so that the printed value is sufficient.
+    """
+    return round(stop_ring_thickness(reducer, bearing) + bearing.width + reducer.flange_wall, 9)
 
 
 def require_main_bearings(reducer: "RvReducer") -> stock.StockBearing:

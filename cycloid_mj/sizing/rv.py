@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import mesh_gaps
+from cycloid_mj.reducer.rv_main_bearings import min_flange_thickness
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import POWER_RESERVE, conditions
 from cycloid_mj.sizing.remedies import better_cooling, first_feasible, list_changes
@@ -148,8 +149,7 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
     """
     pool = candidates(requirement)
     if not pool:
-        ratio, size = requirement.ratio, MILLIMETRES * requirement.diameter
-        return Answer(requirement, (), 0.0, f"no planets and discs with a ratio of {ratio} fit into {size:g} mm")
+        return Answer(requirement, (), 0.0, _describe_empty_pool(requirement))
     best, strongest = _search_shortest(requirement, pool)
     if best is None:
         max_torque = float(f"{strongest.torque:.3g}") if strongest else 0.0
@@ -161,6 +161,19 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
     if strongest and strongest.rating.shortest_life > 1.5 * best.rating.shortest_life:
         drives.append(_sized_drive(requirement, strongest, "longest life", "longest life of the rated candidates"))
     return Answer(requirement, tuple(drives))
+
+
+def _describe_empty_pool(requirement: RvRequirement) -> str:
+    """Return the reason why there are no candidates for a requirement: its length, or its diameter."""
+    longer_drives = candidates(requirement.but(length=math.inf))
+    if longer_drives:
+        return f"no drive is shorter than {MILLIMETRES * longer_drives[0].length:.4g} mm"
+    has_main_bearings = RvReducer(override(MODEL.design, requirement.changes)).cranks.main_bearings != "none"
+    bearing_text = " and main bearings" if has_main_bearings else ""
+    return (
+        f"no planets and discs with a ratio of {requirement.ratio}{bearing_text} fit into "
+        f"{MILLIMETRES * requirement.diameter:g} mm"
+    )
 
 
 def candidates(requirement: RvRequirement) -> list[Candidate]:
@@ -259,7 +272,24 @@ def _lay_out_candidate(
         load={"torque": requirement.torque},
         **conditions(requirement, requirement.torque),
     )
-    return Candidate(RvReducer(override(design, requirement.changes)), requirement)
+    reducer = _fit_main_bearings(design, requirement)
+    return Candidate(reducer, requirement) if reducer else None
+
+
+def _fit_main_bearings(design: Design, requirement: RvRequirement) -> RvReducer | None:
+    """Return the reducer of a design with the required values, and flanges that have the seats of main bearings.
+
+    Flanges without main bearings, and a required thickness, are unchanged. None: no main bearing fits.
+    """
+    reducer = RvReducer(override(design, requirement.changes))
+    if reducer.cranks.main_bearings == "none":
+        return reducer
+    bearing = reducer.main_bearing
+    if bearing is None:
+        return None
+    min_thickness = math.ceil(round(1e4 * min_flange_thickness(reducer, bearing), 5)) / 1e4
+    thickness = max(reducer.cranks.flange_thickness, min_thickness)
+    return RvReducer(override(design.but(cranks={"flange_thickness": thickness}), requirement.changes))
 
 
 def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
@@ -401,6 +431,9 @@ def _reasons_of_values(design: Design, weakest: str) -> Iterator[tuple[str, str]
         yield f"cranks.{key}", "that of rv80e, in proportion to number and length of the needles"
     for key in ("middle_hole_radius", "post_radius", "flange_thickness"):
         yield f"cranks.{key}", "by proportions of rv80e and walls between the holes"
+    if bearing := RvReducer(design).main_bearing:
+        yield "cranks.main_bearings", "required"
+        yield "cranks.flange_thickness", f"by proportions of rv80e, or seat and shoulder of {bearing.designation}"
     for key in ("speed", "torque"):
         yield f"drive.{key}", "required"
     yield "drive.power", f"{POWER_RESERVE:g} times the power of torque and speed"

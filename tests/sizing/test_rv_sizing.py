@@ -14,6 +14,7 @@ from cycloid_mj.design import load
 from cycloid_mj.geometry.rv import planet_misfit
 from cycloid_mj.life import rate
 from cycloid_mj.life.item import ItemKind
+from cycloid_mj.reducer.rv_main_bearings import min_flange_thickness
 from cycloid_mj.sizing import rv
 from cycloid_mj.sizing.rv import DUTY_SHARE, RvRequirement, assemblies, candidates, rate_candidate
 
@@ -38,6 +39,22 @@ def test_candidates_have_the_ratio_and_diameter_and_come_by_length() -> None:
     assert {item.reducer.design.reduction for item in pool} == {121.0}
     assert {item.reducer.design.housing.outer_radius for item in pool} == {0.08}
     assert list(candidates(_requirement(121, 0.16, 412.0).but(length=0.05))) == []
+
+
+def test_candidates_with_main_bearings_have_flanges_for_their_seats() -> None:
+    changes = ("cranks.main_bearings=angular_contact",)
+    pool = list(candidates(_requirement(121, 0.16, 412.0).but(changes=changes)))
+    plain = min(item.length for item in candidates(_requirement(121, 0.16, 412.0)))
+    assert len(pool) > 100
+    for candidate in pool[::100]:
+        reducer = candidate.reducer
+        assert reducer.main_bearing is not None
+        assert reducer.cranks.flange_thickness >= min_flange_thickness(reducer, reducer.main_bearing) - 1e-9
+        assert candidate.length > plain
+    thin = (*changes, "cranks.flange_thickness_mm=10")
+    assert {
+        item.reducer.cranks.flange_thickness for item in candidates(_requirement(121, 0.16, 412.0).but(changes=thin))
+    } == {0.01}, "a required value is kept"
 
 
 def test_an_estimate_is_that_of_the_rating_with_ideal_sharing() -> None:

@@ -27,7 +27,7 @@ from cycloid_mj.parts.rv import (
     rv_parts,
 )
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.reducer.rv_main_bearings import main_bearing_ends
+from cycloid_mj.reducer.rv_main_bearings import flange_face, main_bearing_ends, stop_ring_thickness
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
@@ -38,12 +38,13 @@ RV_COLOURS: Mapping[str, Colour] = {
     NEEDLE: (0.83, 0.84, 0.86, 1.0),
     TAPERED_BEARING: (0.7, 0.72, 0.75, 1.0),
     names.OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
+    names.STOP_RING: COLOURS[names.HOUSING],
 }
 """Colours by family of parts."""
 
 RV_ALONG = (
     *(SUN, PLANET, FLANGES[0], CRANK, TAPERED_BEARING, NEEDLE),
-    *(names.GEAR, names.PIN, names.HOUSING, names.OUTPUT_BEARING, FLANGES[1]),
+    *(names.GEAR, names.PIN, names.HOUSING, names.STOP_RING, names.OUTPUT_BEARING, FLANGES[1]),
 )
 """Families of parts, and the flanges, in their order along the axis of an exploded view, from input to output."""
 
@@ -97,9 +98,12 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
     if reducer.design.ring.kind == "pin":
         yield from place_ring_pins(reducer, 0.0)
     if main_bearing := reducer.main_bearing:
-        middle = 0.5 * sum(main_bearing_ends(reducer, main_bearing))
-        for name, z in zip(names.all_numbered(names.OUTPUT_BEARING, 2), (-middle, middle), strict=True):
-            yield PlacedPart(name, names.OUTPUT_BEARING, (0.0, 0.0, z), 0.0, names.HOUSING)
+        thickness = stop_ring_thickness(reducer, main_bearing)
+        middles = {names.OUTPUT_BEARING: 0.5 * sum(main_bearing_ends(reducer, main_bearing))}
+        middles |= {names.STOP_RING: flange_face(reducer) + 0.5 * thickness} if thickness else {}
+        for part, middle in middles.items():
+            for name, z in zip(names.all_numbered(part, 2), (-middle, middle), strict=True):
+                yield PlacedPart(name, part, (0.0, 0.0, z), 0.0, names.HOUSING)
 
 
 def _place_needles(

@@ -43,7 +43,11 @@ MAIN_SEAT, MAIN_BORE = "k5", "H6"
 POSITION, LOOSE_POSITION, RUN_OUT = 0.01, 0.2, 0.01
 """Position of crank bores, and of posts and their windows; run-out of seats and teeth [mm] (assumed)."""
 
-MATERIAL_OF = {CRANK: names.SHAFT, PLANET: names.SHAFT, SUN: names.SHAFT, **dict.fromkeys(FLANGES, names.OUTPUT)}
+MATERIAL_OF = {
+    **dict.fromkeys((CRANK, PLANET, SUN), names.SHAFT),
+    **dict.fromkeys(FLANGES, names.OUTPUT),
+    names.STOP_RING: names.HOUSING,
+}
 """Part of the mechanism that sets the material of a part; a part that is not in it has its own."""
 
 
@@ -124,6 +128,8 @@ def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
         yield f"datum A: common axis of both journals; eccentrics at {angles}, parallel to A within {RUN_OUT}"
         yield f"run-out of the journals to A: {RUN_OUT}; spline for the planet not drawn"
         yield f"fillets next to the journals R{in_mm(reducer.journal_fillet)}"
+    elif name == names.STOP_RING:
+        yield f"datum A: the axis; both faces parallel within {RUN_OUT}"
     else:
         sun, planet = reducer.stage_gears
         yield from _describe_teeth(sun if name == SUN else planet)
