@@ -70,24 +70,17 @@ class Course:
         Beyond the computed hours it is extrapolated by the `trend`, but not where the drive cannot run any longer.
         """
         reached_indices = np.flatnonzero(self.lost_motion >= limit)
-        if not reached_indices.size and self.is_final:
+        if reached_indices.size:
+            reached_index = max(int(reached_indices[0]), 1)
+            step = slice(reached_index - 1, reached_index + 1)
+            return float(np.interp(limit, self.lost_motion[step], self.hours[step]))
+        if self.is_final:
             return float(self.hours[-1])
-        if not reached_indices.size and self.trend:
+        if self.trend:
             return self.trend.hours_until(limit)
-        if not reached_indices.size:
-            last_hours, last_growth = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
-            remaining_growth = limit - float(self.lost_motion[-1])
-            return (
-                float(self.hours[-1]) + remaining_growth * last_hours / last_growth if last_growth > 0.0 else math.inf
-            )
-        reached_index = max(int(reached_indices[0]), 1)
-        return float(
-            np.interp(
-                limit,
-                self.lost_motion[reached_index - 1 : reached_index + 1],
-                self.hours[reached_index - 1 : reached_index + 1],
-            )
-        )
+        last_hours, last_growth = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
+        remaining_growth = limit - float(self.lost_motion[-1])
+        return float(self.hours[-1]) + remaining_growth * last_hours / last_growth if last_growth > 0.0 else math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +108,8 @@ class WornSurface:
             "key": self.surface.key,
             "name": self.surface.name,
             "material": self.law.material,
-            "coefficient_mm3_nm": _interval_json(self.law.coefficient.times(MM3)),
-            "run_in_um": _interval_json(self.law.run_in.times(1e6)),
+            "coefficient_mm3_nm": to_json_values(self.law.coefficient.times(MM3)),
+            "run_in_um": to_json_values(self.law.run_in.times(1e6)),
             "largest_depth_um": 1e6 * float(self.depth.max()),
             "mean_depth_um": 1e6 * float(self.depth.mean()),
             "place_mm": (1e3 * self.surface.coordinates).tolist(),
@@ -221,12 +214,17 @@ class WearLife(Presented):
         )
 
     @property
+    def _rows(self) -> list[dict[str, float]]:
+        """The recorded values of each time, by the key of the column."""
+        names = [key for key, _ in self.columns]
+        return [dict(zip(names, row, strict=True)) for row in self.records]
+
+    @property
     def frame(self) -> Frame:
         """The records, a row each."""
         from cycloid_mj.base.frame import make_frame
 
-        names = [key for key, _ in self.columns]
-        return make_frame([dict(zip(names, row, strict=True)) for row in self.records], names, {})
+        return make_frame(self._rows, [key for key, _ in self.columns], {})
 
     @property
     def line(self) -> str:
@@ -262,39 +260,31 @@ class WearLife(Presented):
         hours and lost motion of each case, ``records`` accuracy, forces and wear depths at several times, and
         ``surfaces`` the worn surfaces.
         """
-        names = [key for key, _ in self.columns]
-        return dict(
-            to_json_values(
-                {
-                    "design": self.design,
-                    "condition": self.condition,
-                    "hours": self.hours,
-                    "growth_percent": 100.0 * self.growth,
-                    "accuracy_life_h": self.life(),
-                    "accuracy_life_extrapolated": self.extrapolated(),
-                    "accuracy_life_interval_h": [self.life("high"), self.life("low")],
-                    "accuracy_life": {case: self.life_text(case) for case in CASES},
-                    "limit_arcmin": self.limit / ARCMINUTE,
-                    "run_in_share": self.run_in_share,
-                    "interrupted": self.interrupted,
-                    "records": [dict(zip(names, row, strict=True)) for row in self.records],
-                    "courses": {
-                        case: {
-                            "hours": course.hours.tolist(),
-                            "lost_motion_arcmin": (course.lost_motion / ARCMINUTE).tolist(),
-                            "end": course.end,
-                        }
-                        for case, course in self.courses.items()
-                    },
-                    "surfaces": list(self.surfaces),
-                    "assumptions": list(self.assumptions),
+        content = {
+            "design": self.design,
+            "condition": self.condition,
+            "hours": self.hours,
+            "growth_percent": 100.0 * self.growth,
+            "accuracy_life_h": self.life(),
+            "accuracy_life_extrapolated": self.extrapolated(),
+            "accuracy_life_interval_h": [self.life("high"), self.life("low")],
+            "accuracy_life": {case: self.life_text(case) for case in CASES},
+            "limit_arcmin": self.limit / ARCMINUTE,
+            "run_in_share": self.run_in_share,
+            "interrupted": self.interrupted,
+            "records": self._rows,
+            "courses": {
+                case: {
+                    "hours": course.hours.tolist(),
+                    "lost_motion_arcmin": (course.lost_motion / ARCMINUTE).tolist(),
+                    "end": course.end,
                 }
-            )
-        )
-
-
-def _interval_json(interval: Interval) -> dict[str, Any]:
-    return {"low": interval.low, "typical": interval.typical, "high": interval.high, "source": interval.source}
+                for case, course in self.courses.items()
+            },
+            "surfaces": list(self.surfaces),
+            "assumptions": list(self.assumptions),
+        }
+        return dict(to_json_values(content))
 
 
 def _interval_text(interval: Interval) -> str:
@@ -365,7 +355,6 @@ class _Log:
         self._courses: dict[Case, Course] = {}
         self._records: list[tuple[float, ...]] = []
         self._columns: tuple[tuple[str, str], ...] = ()
-        self._last: WearState | None = None
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
@@ -415,7 +404,7 @@ class _Log:
             if not lost_motions:
                 raise
             self._interrupted, end_reason = True, "interrupted"
-        trend = WearTrend(self._drive, case, *last_states) if len(last_states) == 2 else None
+        trend = WearTrend(self._drive, case, last_states[0], last_states[-1])
         self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason, is_final, trend)
         return not self._interrupted
 
@@ -423,10 +412,8 @@ class _Log:
         """Store accuracy, contact forces and wear depths at the typical wear coefficients, if a record is due.
 
         `state` is the state of the wearing drive. A record is stored if `is_due` is true, for the first state, and when
-        the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`. In
-        any case it becomes the last state, from which `result` takes the worn surfaces.
+        the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`.
         """
-        self._last = state
         growth_step = self._growth / self._drive.settings.records
         last_lost_motion = self._records[-1][1] * ARCMINUTE if self._records else 0.0
         if not (
@@ -457,9 +444,9 @@ class _Log:
 
         The result states the duty cycle `duty` in words.
         """
-        assert self._last is not None
-        last_state, laws = self._last, self._drive.laws
-        surfaces = []
+        trend, laws = self._courses["typical"].trend, self._drive.laws
+        assert trend is not None
+        last_state, surfaces = trend.last, []
         for surface in self._drive.surfaces:
             law, depth = laws[surface.key], last_state.depths[surface.key]
             surfaces.append(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -231,56 +231,44 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     `contact_loads` are the contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
+    summarize = partial(_summarize_sliding, reducer)
     slip_speeds, tooth_count = np.abs(springs.slip), springs.teeth
     discs, directions = contact_loads.discs, springs.directions
     force_angles = np.arctan2(directions[..., 1], directions[..., 0])
+    disc_turn = springs.crank[:, np.newaxis] / design.lobes
     teeth, tooth_speed, seat = contact_loads.teeth, slip_speeds[:, :tooth_count], design.seat_pair
     in_seat = slides_in_seat(design, contact_loads.friction, teeth.shape)
     slides_in_both = bool(seat) and design.has_film
     sliding: dict[str, Sliding] = {}
     if slides_in_both or not in_seat.any():
-        on_flank = np.where(in_seat, 0.0, teeth)
-        line_power = _largest_line_power(
-            on_flank * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
-        )
-        sliding[design.tooth_pair] = _summarize_sliding(
-            reducer, design.tooth_pair, on_flank, tooth_speed, ring.pin_radius, line_power
-        )
+        pair, on_flank = design.tooth_pair, np.where(in_seat, 0.0, teeth)
+        phases, lengths = tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
+        sliding[pair] = summarize(pair, on_flank, tooth_speed, ring.pin_radius, phases, lengths)
     if slides_in_both or in_seat.any():
-        teeth = np.where(in_seat, teeth, 0.0)
+        on_seat = np.where(in_seat, teeth, 0.0)
         radius = ring.sleeve_bore_radius if seat == "pin_sleeve" else ring.pin_radius
         seat_speed = tooth_speed * radius / ring.pin_radius
         if seat == "pin_sleeve":
-            line_power = _mean_line_power(teeth * seat_speed, radius)
+            sliding[seat] = summarize(seat, on_seat, seat_speed, radius)
         else:
             azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-            lengths = _circle_lengths(radius, teeth.shape[1])
-            line_power = _largest_line_power(
-                teeth * seat_speed, force_angles[:, :tooth_count] + azimuth, lengths, passes_evenly=False
-            )
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, seat_speed, radius, line_power)
+            angle, lengths = force_angles[:, :tooth_count] + azimuth, _circle_lengths(radius, tooth_count)
+            sliding[seat] = summarize(seat, on_seat, seat_speed, radius, angle, lengths, passes_evenly=False)
     output_forces, pin_speed = contact_loads.output, slip_speeds[:, tooth_count:]
     if not output.rollers:
-        lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
-        hole_angle = force_angles[:, tooth_count:] + springs.crank[:, np.newaxis] / design.lobes
-        line_power = _largest_line_power(output_forces * pin_speed, hole_angle + azimuth, lengths)
-        sliding["output"] = _summarize_sliding(
-            reducer, "output", output_forces, pin_speed, output.pin_radius, line_power
-        )
+        angle = force_angles[:, tooth_count:] + disc_turn + azimuth
+        lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
+        sliding["output"] = summarize("output", output_forces, pin_speed, output.pin_radius, angle, lengths)
     elif not output.has_needles:
         core_speed = pin_speed * output.root_radius / output.pin_radius
-        line_power = _mean_line_power(output_forces * core_speed, output.root_radius)
-        sliding["output_roller"] = _summarize_sliding(
-            reducer, "output", output_forces, core_speed, output.root_radius, line_power
-        )
+        sliding["output_roller"] = summarize("output", output_forces, core_speed, output.root_radius)
     if design.gear.bearing == "plain":
-        cam = contact_loads.cam
+        cam, radius = contact_loads.cam, design.gear.bore_radius
         force = magnitudes(cam)
-        speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
-        angle = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
-        line_power = _largest_line_power(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
-        sliding["cam"] = _summarize_sliding(reducer, "cam", force, speed, design.gear.bore_radius, line_power)
+        speed = np.full_like(force, radius * relative_speed(reducer, design.drive.speed))
+        angle = np.arctan2(cam[..., 1], cam[..., 0]) + disc_turn
+        sliding["cam"] = summarize("cam", force, speed, radius, angle, _circle_lengths(radius, discs))
     return sliding
 
 
@@ -296,21 +284,31 @@ def slides_in_seat(design: Design, friction: FilmFriction | None, shape: tuple[i
 
 
 def _summarize_sliding(
-    reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, line_power: float
+    reducer: Reducer,
+    kind: str,
+    force: Array,
+    speed: Array,
+    radius: float,
+    angle: Array | None = None,
+    lengths: Array | None = None,
+    passes_evenly: bool = True,
 ) -> Sliding:
     """Summarize sliding over a turn: power F v [W], largest pressure times speed p v [Pa m/s] and mean speed [m/s].
 
     F v is normal force times sliding speed of all contacts of a `kind` of pair. p is the pressure on the projected
     area, which follows from the `radius` of the pins [m] and the length of the contacts of the kind. `force` [N] and
-    `speed` [m/s] have the shape (m, n) for n contacts at m crank angles. `line_power`, the largest force times sliding
-    speed per length of surface [W/m], is stored in the result.
+    `speed` [m/s] have the shape (m, n) for n contacts at m crank angles. `angle`, `lengths` and `passes_evenly` are
+    those of `_largest_line_power`; without them, each contact wears its own circle of the `radius` evenly.
     """
     power, is_loaded = force * speed, force > 0.0
+    mean_power = float(power.sum(axis=1).mean())
     return Sliding(
-        power=float(power.sum(axis=1).mean()),
+        power=mean_power,
         pressure_speed=float(power.max()) / (2.0 * radius * reducer.design.line_length(kind)),
         speed=float(speed[is_loaded].mean()) if is_loaded.any() else 0.0,
-        density=line_power,
+        density=mean_power / (2.0 * math.pi * radius * power.shape[1])
+        if angle is None or lengths is None
+        else _largest_line_power(power, angle, lengths, passes_evenly),
     )
 
 
@@ -347,14 +345,6 @@ def tooth_phases(reducer: Reducer, crank: Array) -> Array:
     pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
     phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
     return np.asarray(phases.reshape(len(crank), -1))
-
-
-def _mean_line_power(power: Array, radius: float) -> float:
-    """Compute the mean force times sliding speed per length [W/m] on n circles of a radius [m] that wear evenly.
-
-    `power` [W] is force times speed at m crank angles, shape (m, n).
-    """
-    return float(power.sum(axis=1).mean()) / (2.0 * math.pi * radius * power.shape[1])
 
 
 def _circle_lengths(radius: float, count: int) -> Array:
