@@ -189,7 +189,8 @@ def base_design(tables: Mapping[str, Any], source: str) -> Base:
 def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
     """Return a design with the motor torque and power that its load requires at the drive's speed, without losses.
 
-    `values` are those of the file in SI; a power that they contain is not changed. A design without load is unchanged.
+    `values` are those of the file in SI, by table and name: a motor power in them is not changed. A design without load
+    is unchanged.
     """
     torque = abs(design.load.torque) / design.reduction
     if not torque:
@@ -322,10 +323,10 @@ def value_of(design: Design, path: str) -> Any:
 
 
 def _field_of(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
-    known = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
-    if key not in known:
-        raise UsageError(f"unknown key {path:.80}; {_suggest_key(key, list(known), prefix)}")
-    return known[key]
+    fields_by_key = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
+    if key not in fields_by_key:
+        raise UsageError(f"unknown key {path:.80}; {_suggest_key(key, list(fields_by_key), prefix)}")
+    return fields_by_key[key]
 
 
 def _pair(change: str) -> tuple[str, Any]:
@@ -494,6 +495,11 @@ def _read_table(
         Name of this table followed by a dot, which precedes its keys in errors; empty for the entire file.
     root
         Model of all tables of the file.
+
+    Raises
+    ------
+    DesignError
+        A key is unknown, or a table is written as a single value. Other wrong values are left to the validation.
     """
     known_keys = _keys_of(section)
     values: dict[str, Any] = {}
@@ -555,10 +561,11 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 
 
 def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) -> tuple[Any, ...]:
-    """Expand a sparse list to a list with a value for each part: that of `sparse` for its number from 1 on, or else 0.
+    """Expand sparse values such as ``{"3": 5.0}`` to a tuple with a value for each part, 0 for parts not in `sparse`.
 
-    The number of parts is the product of `counts`; `source` names the key in errors. If a count is out of range, the
-    sparse values are returned unchanged, for the validation to report. Raises DesignError if a part does not exist.
+    Parts are numbered from 1, and their number is the product of `counts`; `source` names the key in errors. If a count
+    is out of range, only the values in `sparse` are returned, and the validation reports the count. Raises DesignError
+    if a part does not exist.
     """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range
@@ -603,8 +610,12 @@ def _unknown_design(path: Path) -> str:
     presets = ", ".join(PRESETS)
     folder = path.parent if path.parent.is_dir() else Path()
     files = [str(folder / name) for name in sorted(item.name for item in folder.glob("*.toml"))]
-    near = difflib.get_close_matches(str(path), [*PRESETS, *files], n=1)
-    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design new my` writes a design file to start from"
+    similar_designs = difflib.get_close_matches(str(path), [*PRESETS, *files], n=1)
+    hint = (
+        f"did you mean {similar_designs[0]}?"
+        if similar_designs
+        else "`cycloid-mj design new my` writes a design file to start from"
+    )
     return f"unknown design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
 
 

@@ -148,8 +148,8 @@ def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
 def _deviation(letter: str, grade: int, size: float) -> float:
     """Compute the fundamental deviation of a shaft [m]."""
     values = _SHAFTS[letter].split()
-    step = _step(_SIZES if len(values) == len(_SIZES) else _FINE_SIZES, size)
-    return 0.0 if letter == "k" and not 4 <= grade <= 7 else 1e-6 * float(values[step])
+    step_index = _step(_SIZES if len(values) == len(_SIZES) else _FINE_SIZES, size)
+    return 0.0 if letter == "k" and not 4 <= grade <= 7 else 1e-6 * float(values[step_index])
 
 
 def _step(ends: tuple[int, ...], size: float) -> int:

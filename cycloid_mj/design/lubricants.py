@@ -94,10 +94,10 @@ class PlasticPair:
 
 def walther(viscosity_40: float, viscosity_100: float, temperature: float) -> float:
     """Interpolate a kinematic viscosity [mm2/s] at a temperature [°C]: lg lg (nu + 0.7) = A - B lg T (ASTM D341)."""
-    low, high = (math.log10(math.log10(value + 0.7)) for value in (viscosity_40, viscosity_100))
+    double_log_40, double_log_100 = (math.log10(math.log10(value + 0.7)) for value in (viscosity_40, viscosity_100))
     kelvin = [math.log10(FREEZING_POINT + each) for each in (40.0, 100.0, temperature)]
-    slope = (low - high) / (kelvin[1] - kelvin[0])
-    return float(10.0 ** (10.0 ** (low - slope * (kelvin[2] - kelvin[0])))) - 0.7
+    slope = (double_log_40 - double_log_100) / (kelvin[1] - kelvin[0])
+    return float(10.0 ** (10.0 ** (double_log_40 - slope * (kelvin[2] - kelvin[0])))) - 0.7
 
 
 @cache

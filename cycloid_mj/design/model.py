@@ -1156,7 +1156,7 @@ class Design(Section, Presented):
         turns
             Number of crank turns after the transients.
         samples
-            Number of further samples of the log, for filters and differences at the end.
+            Additional time for filters and differences at the end, in sampling intervals of the log.
         changes
             Other changes of the design by table, then key; the crank's speed must not be 0.
         """

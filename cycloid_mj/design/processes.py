@@ -136,16 +136,20 @@ def usual_tolerances(clearance: float, discs: int, fit: str = "", tube_deviation
     Parameters
     ----------
     clearance
-        Clearance of the pins [m]; the standard deviations are `TOLERANCE_SHARE` of it.
+        Clearance of the pairs [m]; the standard deviations are `TOLERANCE_SHARE` of it.
     discs
         Number of discs.
     fit
-        Fit of the pairs, such as H7/g6, which is used instead for the keys `FIT_TOLERANCES`.
+        Fit of the pairs, such as H7/g6, which is used instead for the keys `FIT_TOLERANCES`, such as "mesh".
     tube_deviation
         Standard deviation of the radius of sleeves that are cut from a tube [m]. It adds, in variance, to that of the
         clearance of the output pins.
     """
     deviations = TOLERANCE_SHARE * clearance, math.hypot(TOLERANCE_SHARE * clearance, tube_deviation)
-    default, output = (f"normal {MICROMETRES * deviation:.3g}" for deviation in deviations)
+    default_tolerance, output_tolerance = (f"normal {MICROMETRES * deviation:.3g}" for deviation in deviations)
     keys = (*POSITIONS, *FIT_TOLERANCES, *(["cam_position"] if discs > 1 else []))
-    return {**dict.fromkeys(keys, default), "output": output, **(dict.fromkeys(FIT_TOLERANCES, fit) if fit else {})}
+    return {
+        **dict.fromkeys(keys, default_tolerance),
+        "output": output_tolerance,
+        **(dict.fromkeys(FIT_TOLERANCES, fit) if fit else {}),
+    }

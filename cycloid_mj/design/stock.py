@@ -482,13 +482,15 @@ class StockBearing:
 
         They are for a bearing of the output; within them, a shoulder touches one ring only.
         """
-        inner, outer = 0.5 * self.bore, 0.5 * self.outside
-        shares = SHOULDERS.ball, SHOULDERS.ball
+        bore_radius, outer_radius = 0.5 * self.bore, 0.5 * self.outside
+        shoulder_shares = SHOULDERS.ball, SHOULDERS.ball
         if self.has_tapered_rollers:
-            shares = SHOULDERS.tapered
+            shoulder_shares = SHOULDERS.tapered
         elif self.has_crossed_rollers:
-            shares = SHOULDERS.crossed_roller, SHOULDERS.crossed_roller
-        return inner + shares[0] * (outer - inner), outer - shares[1] * (outer - inner)
+            shoulder_shares = SHOULDERS.crossed_roller, SHOULDERS.crossed_roller
+        return bore_radius + shoulder_shares[0] * (outer_radius - bore_radius), outer_radius - shoulder_shares[1] * (
+            outer_radius - bore_radius
+        )
 
     @property
     def load_centre_offset(self) -> float:
@@ -627,8 +629,8 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
 
 def is_dowel(diameter: float, length: float) -> bool:
     """Return whether a dowel with a diameter [m] and a length [m] is in stock, so that it need not be cut."""
-    found = pins(diameter, length)
-    return found is not None and found[1] == 1 and abs(found[0].length - length) < ROUNDING
+    stock_pins = pins(diameter, length)
+    return stock_pins is not None and stock_pins[1] == 1 and abs(stock_pins[0].length - length) < ROUNDING
 
 
 def single_pin(diameter: float, length: float) -> Dowel | None:

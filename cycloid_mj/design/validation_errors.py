@@ -167,5 +167,5 @@ def _plain(message: str) -> str:
 
 def _either(choices: tuple[Any, ...]) -> str:
     """List words as alternatives."""
-    *most, last = (f'"{choice}"' for choice in choices)
-    return f"{', '.join(most)} or {last}" if most else str(last)
+    *first_choices, last_choice = (f'"{choice}"' for choice in choices)
+    return f"{', '.join(first_choices)} or {last_choice}" if first_choices else str(last_choice)
