@@ -68,8 +68,8 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     """Return all that the page shows of a design without solving for static equilibrium, as JSON values.
 
     The keys are ``design`` (values that differ from the preset), ``name``, ``layout``, ``toleranced`` (whether it has
-    tolerances), ``files`` (kinds of downloads), ``head`` (`geometry_figures`), ``load_nm``, ``controls``, ``section``
-    (the cross-section) and ``errors`` (failed checks).
+    tolerances), ``files`` (kinds of downloads), ``head`` (`geometry_figures`), ``load_nm`` (magnitude of the torque on
+    the output), ``controls`` (the input controls), ``section`` (the cross-section) and ``errors`` (failed checks).
 
     Parameters
     ----------
@@ -151,10 +151,10 @@ def find(content: Content) -> dict[str, Any]:
 
 def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
-    number = content.get("turn", 0)
-    if type(number) is not int or not 0 <= number <= REQUESTS.turn:
-        raise UsageError(f"crank turn {number!r} is not allowed: choose a whole number from 0 to {REQUESTS.turn}")
-    return turn.forces(_reducer(content), number)
+    turn_number = content.get("turn", 0)
+    if type(turn_number) is not int or not 0 <= turn_number <= REQUESTS.turn:
+        raise UsageError(f"crank turn {turn_number!r} is not allowed: choose a whole number from 0 to {REQUESTS.turn}")
+    return turn.forces(_reducer(content), turn_number)
 
 
 def error(content: Content) -> dict[str, Any]:

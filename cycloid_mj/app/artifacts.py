@@ -99,9 +99,9 @@ def joint_files_zip(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
 
-    reduced = reduce(design)
-    figures = json.dumps(to_json_values(reduced.as_json()), indent=1)
-    files = joint_files(reduced, *choose_scenes(reduced)) | {"reducer.json": figures.encode()}
+    joint = reduce(design)
+    joint_json = json.dumps(to_json_values(joint.as_json()), indent=1)
+    files = joint_files(joint, *choose_scenes(joint)) | {"reducer.json": joint_json.encode()}
     return _zip(f"{design.name}-joint", files)
 
 
@@ -138,6 +138,11 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
         Key of `FILES`, or `WHOLE_DRIVE` for all files to build the drive.
     options
         Motor, printer offset and bed.
+
+    Returns
+    -------
+    Download
+        Its ``files`` are one file, name -> content: the file itself, or a zip file.
     """
     design = parse_design(values)
     if kind in LEFT_OUT[design.layout]:
@@ -160,7 +165,7 @@ def load_exports() -> None:
 
 
 def simulate_run(on_progress: Progress, values: Any) -> Download:
-    """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
+    """Simulate a design in MuJoCo at full speed under its load, and return the report of the run (`Download.page`).
 
     The run has no start-up ramp; it lasts for the settling time, then for at least `MIN_CRANK_TURNS` crank turns.
     `values` is the design as the page sends it, see `parse_design`. `on_progress` is called with ``doing``, the step in

@@ -108,7 +108,8 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     -------
     dict
         ``ring`` and ``discs``: SVG paths of the housing and of each disc [mm]; ``pins``, ``holes``: centres of ring
-        pins and output holes [mm]; ``dimensions``: circles with a dimension line. ``pin_radius``, ``hole_radius``,
+        pins and output holes [mm]; ``dimensions``: ``name`` and ``diameter`` [mm] of each circle with a dimension line.
+        ``pin_radius``, ``hole_radius``,
         ``output_radius`` (output pins), ``bore_radius``, ``shaft_radius``, ``reach`` (outermost radius) and ``orbit``
         (eccentricity): lengths [mm]. An RV reducer has the values of `rv_section` instead of holes, bore and shaft.
         ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc
@@ -200,17 +201,19 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
     """
     design = reducer.design
     chord_error = _chord_error(reducer)
-    ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
+    ring_outlines = [
+        circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)
+    ]
     circle_groups = SECTIONS[reducer.LAYOUT].holes(reducer)
-    holes = [circle(radius, chord_error) + centre for radius, centres in circle_groups for centre in centres]
+    hole_outlines = [circle(radius, chord_error) + centre for radius, centres in circle_groups for centre in centres]
     try:
         gear = tooth_profile(design)
         parameters = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
-        teeth = [profile.outline(gear, parameters, profile_offset(design))]
+        tooth_outlines = [profile.outline(gear, parameters, profile_offset(design))]
     except CycloidError:
-        teeth = []
-    discs = ["".join(map(_svg_loop, (*teeth, *holes)))] * design.gear.discs
-    return {"ring": "".join(map(_svg_loop, ring)), "discs": discs}
+        tooth_outlines = []
+    disc_paths = ["".join(map(_svg_loop, (*tooth_outlines, *hole_outlines)))] * design.gear.discs
+    return {"ring": "".join(map(_svg_loop, ring_outlines)), "discs": disc_paths}
 
 
 def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:

@@ -149,11 +149,11 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
         "printed": is_plastic(reducer),
     }
     if casing:
-        low, high = casing.ends
+        lower_end, upper_end = casing.ends
         description |= {
             "motor": casing.motor.name,
             "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
-            "length_mm": MILLIMETRES * (high - low),
+            "length_mm": MILLIMETRES * (upper_end - lower_end),
         }
     return description
 

@@ -117,7 +117,7 @@ class Jobs:
         name
             What the job computes, in words.
         work, args
-            Function and its arguments; it also gets a callback for the progress.
+            Function and its arguments; before these it gets a callback for the progress.
 
         Raises
         ------

@@ -89,9 +89,9 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
 
 
 def _study_central(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict[str, Any]:
-    """Return the result of `study_tolerances` for a drive with a central crank: statics of each sample drive.
+    """Return the result of `study_tolerances` for a drive with a central crank.
 
-    `on_progress` is called with the distributions so far.
+    Each sample drive is solved for static equilibrium. `on_progress` is called with the distributions so far.
     """
     zones = tolerance_zones(reducer)
     columns: dict[str, Array] = {}

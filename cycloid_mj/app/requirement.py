@@ -135,7 +135,10 @@ def _require_central(values: Mapping[str, Any], motor: MotorName) -> Requirement
 
 
 def _require_rv(values: Mapping[str, Any], _motor: MotorName) -> Requirement:
-    """Return the requirement of an RV reducer; missing fields have the defaults of ``design new --layout rv``."""
+    """Return the requirement of an RV reducer with the `values` of the start form, by field name.
+
+    Missing fields have the defaults of ``design new --layout rv``. The motor has no effect.
+    """
     values_with_defaults = {
         "duty": DUTY_SHARE,
         **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}),
@@ -251,11 +254,11 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
     if motor != "auto" and kind.has_covers:
         size_with_covers, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
-        figures |= {figure: size_with_covers[key] for figure, key in sizes.items()} if size_with_covers else {}
+        figures |= {key: size_with_covers[size_key] for key, size_key in sizes.items()} if size_with_covers else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
     violations = {field: result for field, result in verdicts.items() if result["judgement"] != Judgement.PASSED}
     requirement_texts = [f"{NAMES[field]}: {result['words']} required" for field, result in violations.items()]
-    words = "; ".join([*requirement_texts, *filter(None, (reason,))])
+    violation_text = "; ".join([*requirement_texts, *filter(None, (reason,))])
     return {
         "title": drive.title,
         "why": drive.why,
@@ -263,7 +266,7 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
         "figures": figures,
         "life": format_life(figures["life_h"]),
         "verdicts": verdicts,
-        "verdict": verdict(gravest(Judgement(result["judgement"]) for result in verdicts.values()), words),
+        "verdict": verdict(gravest(Judgement(result["judgement"]) for result in verdicts.values()), violation_text),
     }
 
 
@@ -272,14 +275,16 @@ def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
     It is passed if all drives meet the requirements, a warning if only some do, and failed if none does.
     """
-    passed_count, total = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
-    if passed_count == total:
-        return verdict(Judgement.PASSED, f"{total} drive{'s meet' if total > 1 else ' meets'} the requirements")
+    passed_count, drive_count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
+    if passed_count == drive_count:
+        return verdict(
+            Judgement.PASSED, f"{drive_count} drive{'s meet' if drive_count > 1 else ' meets'} the requirements"
+        )
     if passed_count:
         return verdict(
             Judgement.WARNING,
-            f"{passed_count} of {total} drives meet{'s' if passed_count == 1 else ''} the requirements",
+            f"{passed_count} of {drive_count} drives meet{'s' if passed_count == 1 else ''} the requirements",
         )
     verdicts = [item for drive in drives for item in drive["verdicts"].items()]
-    names = dict.fromkeys(NAMES[field] for field, result in verdicts if result["judgement"] != Judgement.PASSED)
-    return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(names)}")
+    field_names = dict.fromkeys(NAMES[field] for field, result in verdicts if result["judgement"] != Judgement.PASSED)
+    return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(field_names)}")

@@ -64,8 +64,8 @@ def rv_error(reducer: RvReducer, crank: Array, torque: float) -> Array:
     `torque` [N m] acts on the output. Friction is left out, the run-out of the output is included.
     """
     rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque)
-    angle = ARCSECONDS * (reducer.member.sense * rotations[:, 1] + runout_at(reducer, crank))
-    return np.asarray(angle - angle.mean())
+    output_error = ARCSECONDS * (reducer.member.sense * rotations[:, 1] + runout_at(reducer, crank))
+    return np.asarray(output_error - output_error.mean())
 
 
 def rv_orders(reducer: RvReducer) -> list[tuple[float, str]]:

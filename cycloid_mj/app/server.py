@@ -285,8 +285,8 @@ def page_address(listener: socket.socket, token: str) -> str:
 def _answer_request(page: Page, name: str, body: bytes) -> Response:
     """Answer the request `name`, whose JSON text is `body`, with a JSON response; runs in a thread.
 
-    Errors are answered, too: a refused request with the text ``refused``. At the end a slot of `page.slots`, which the
-    caller has acquired, is released.
+    Errors are answered, too: a refused request with the text ``refused``. At the end the semaphore `page.slots`, which
+    limits the number of requests at a time and which the caller has acquired, is released.
     """
     try:
         content = json.loads(body)

@@ -160,7 +160,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 
 
 def _axis_positions(reducer: Reducer) -> dict[str, Array]:
-    """Return the positions x, y [m] of the axes of discs, and of the cranks of an RV reducer, by body, shape (2,).
+    """Return positions x, y [m] of the axes of discs, and of cranks of an RV reducer, by body such as "gear", (2,).
 
     The positions are those at the crank angle 0. The value for the needles, which turn with their cranks, has shape
     (cranks, 2).

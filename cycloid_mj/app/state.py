@@ -39,7 +39,7 @@ def parse_design(values: Any) -> Design:
 
 
 def changed_values(design: Design) -> dict[str, Any]:
-    """Return the values in which a design differs from the preset in `BASES`: keys of the design file -> values.
+    """Return the values in which a design differs from the preset of its layout (`BASES`): key of the file -> value.
 
     For a material with the values of the library only the name is listed. The layout is listed unless it is "central".
 
@@ -75,14 +75,14 @@ def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
         There is no such key, or its value is not allowed.
     """
     designs = (values_a, parse_design(values_a)), (values_b, parse_design(values_b))
-    pairs = {
+    value_pairs = {
         key: [
             values[key] if key in values else value_of(design, key) if _has_table(design, key) else None
             for values, design in designs
         ]
         for key in dict.fromkeys((*values_a, *values_b))
     }
-    return [(key, a, b) for key, (a, b) in pairs.items() if a != b]
+    return [(key, value_a, value_b) for key, (value_a, value_b) in value_pairs.items() if value_a != value_b]
 
 
 def _has_table(design: Design, key: str) -> bool:
@@ -130,8 +130,8 @@ def apply_changes(design: Design, changes: Any) -> Design:
 def at_load(reducer: Reducer) -> Reducer:
     """Return a reducer whose nominal torque is its load: a design file may have two torques, the page shows one."""
     load, _ = load_of(reducer)
-    loaded = reducer.with_nominal_torque(load)
-    return reducer if loaded == reducer else loaded  # results of the reducer itself are cached
+    loaded_reducer = reducer.with_nominal_torque(load)
+    return reducer if loaded_reducer == reducer else loaded_reducer  # results of the reducer itself are cached
 
 
 def _as_integer(base: Design, key: str, value: Any) -> Any:

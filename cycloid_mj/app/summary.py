@@ -119,7 +119,8 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
     """Return the changes of a design that resolve a failed check of life, heat or strength at its load, as JSON values.
 
-    ``name`` in the result is the name of the check, and ``changes`` are the alternatives.
+    ``name`` in the result is the name of the check, and ``changes`` are the alternatives, empty if there are none. Each
+    has ``changes`` (key of the design file -> new value) and ``words``.
     """
     loaded_reducer, name = at_load(reducer), check_name.replace(" ", "_")
     changes = life_remedies(loaded_reducer, [name]).get(name, ())
@@ -272,10 +273,10 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
         casing, reason = casing_or_none(reference_reducer, motor)
         if not casing:
             return None, reason
-        low, high = casing.ends
+        lower_end, upper_end = casing.ends
         return {
             "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
-            "length_mm": MILLIMETRES * (high - low),
+            "length_mm": MILLIMETRES * (upper_end - lower_end),
             "mass_kg": assembly_mass(reference_reducer, casing),
         }, ""
     except CycloidError as error:

@@ -181,8 +181,8 @@ def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
 
 def _central_error(reducer: Reducer, crank: Array, load: float) -> Array:
     """Compute the result of `_output_error` for a drive with a central crank."""
-    angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
-    return np.asarray(angle - angle.mean())
+    output_error = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
+    return np.asarray(output_error - output_error.mean())
 
 
 def _central_orders(reducer: Reducer) -> list[tuple[float, str]]:

@@ -123,8 +123,8 @@ def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
     """Run the functions that the page's process sends through a pipe, and send back ``("done", result)``.
 
     If a function raises an error, ``("failed", text of the error)`` is sent. `warm_up` are functions that are called
-    first, to load their code. With `nice`, other processes have priority. It ends when the page's process closes the
-    pipe.
+    first, to load their code. With `nice`, other processes have priority. The function returns when the page's process
+    closes the pipe.
     """
     serve_parent()
     if nice and hasattr(os, "nice"):  # not on Windows
