@@ -69,7 +69,8 @@ def datasheet(
 
 HEADLINE = (
     *("ratio", "nominal_torque", "input_speed", "rated_torque", "rated_torque_toleranced"),
-    *("momentary_torque", "momentary_torque_toleranced", "backlash", "stiffness_ideal"),
+    *("momentary_torque", "momentary_torque_toleranced", "backlash", "backlash_with_bearings"),
+    "stiffness_ideal",
     *("drive_efficiency_percent", "drive_mass_kg", "drive_length_mm"),
 )
 """Keys of the quantities that the terminal shows first."""

@@ -48,7 +48,7 @@ from cycloid_mj.life.rv_sheet_rows import (
     toleranced_error_rows,
 )
 from cycloid_mj.life.sheet_rows import (
-    describe_roller_play,
+    backlash_with_bearings,
     describe_speed,
     environment_rows,
     figure_row,
@@ -394,10 +394,12 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
-    roller_play = describe_roller_play(reducer)
+    bearing_rows = tuple(backlash_with_bearings(reducer))
+    without_play = "; without the play of needles and rollers" if bearing_rows else ""
     return (
-        with_name(quantities["backlash"], "Backlash", f"without load, mean over a turn{roller_play}"),
-        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}{roller_play}"),
+        with_name(quantities["backlash"], "Backlash", f"without load, mean over a turn{without_play}"),
+        *bearing_rows,
+        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}{without_play}"),
         with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, input locked"),
         with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow"),
         hysteresis(reducer),

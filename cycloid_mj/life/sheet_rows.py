@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
-from cycloid_mj.design import Design, fits
+from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
@@ -26,13 +26,13 @@ from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_limits import find_rise_limit
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
-from cycloid_mj.parts.export.bearings import ROLLER_FIT, roller_bearing
+from cycloid_mj.parts.export.bearings import bearing_clearances
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.film import lubricant_temperature, state_seals
 from cycloid_mj.statics.film_spread import Spread
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
-from cycloid_mj.statics.sheet import Sheet
+from cycloid_mj.statics.sheet import Sheet, sheet_part
 from cycloid_mj.statics.springs import turn_evenly
 
 
@@ -287,17 +287,19 @@ def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
-def describe_roller_play(reducer: Reducer) -> str:
-    """Return a clause on the play of plain rollers on their pins, which no tooth clearance includes; else empty.
+def backlash_with_bearings(reducer: Reducer) -> Iterator[Quantity]:
+    """Yield the backlash [arcmin] with the play of needle bearings and rollers, which no clearance of a design has.
 
-    A pin moves by the mean clearance of the fit before its roller reaches the other side of the hole.
+    It is the mean over a turn without load, by statics. Yields nothing without such bearings.
     """
-    output = reducer.design.output
-    if not output.has_roller_parts or roller_bearing(reducer):
-        return ""
-    clearance = 0.5 * sum(fits.clearances(ROLLER_FIT, 2.0 * output.root_radius))
-    angle = clearance / output.pin_circle_radius / ARCMINUTE
-    return f"; without the play of the rollers on their pins ({ROLLER_FIT}), which adds about {angle:.2g} arcmin"
+    clearances, added = reducer.design.clearance, bearing_clearances(reducer)
+    if not added:
+        return
+    total = {key: getattr(clearances, key) + play for key, (_, play) in added.items()}
+    backlash = sheet_part(reducer.but(clearance=total), "motions")["backlash"]
+    plays = ", ".join(f"{key} {1e6 * play:.3g} um ({fit})" for key, (fit, play) in added.items())
+    note = f"without load, mean over a turn; mean radial play of needles and rollers added: {plays}"
+    yield with_name(replace(backlash, key="backlash_with_bearings"), "Backlash, with bearings", note)
 
 
 def mounting_rows(reducer: Reducer, efficiency: float) -> Iterator[Quantity]:

@@ -22,7 +22,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, life_curve
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
-from cycloid_mj.life.sheet_rows import describe_roller_play, environment_rows
+from cycloid_mj.life.sheet_rows import backlash_with_bearings, environment_rows
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import input_inertia, mass_properties, parts
 from cycloid_mj.parts.cut import cut_prism
@@ -320,11 +320,22 @@ def test_motor_torque_includes_the_losses(sheet) -> None:
     assert f"for {rows['nominal_torque'].value:.4g} N m" in rows["motor_torque"].note
 
 
-def test_backlash_states_the_play_of_plain_rollers() -> None:
-    """E8/m6 on 4 mm: 20 to 38 um less 4 to 12 um, so 21 um on average, over 26 mm: 2.8 arcmin."""
-    text = describe_roller_play(Reducer(override(PIN, ["output.core_radius_mm=2", "output.roller_bearing=plain"])))
-    assert "(E8/m6), which adds about 2.8 arcmin" in text
-    assert describe_roller_play(Reducer(PIN)) == ""
+def test_backlash_with_bearings_includes_needles_and_rollers() -> None:
+    """Statics with the mean radial play added: HK1210 in F8/h5, (16 + 51)/4 um, and rollers on 4 mm, E8/m6, 10.5 um.
+
+    A pin moves by twice its play, 21 um, at 26 mm at most, so by at least 2.8 arcmin.
+    """
+    assert not list(backlash_with_bearings(Reducer(PIN)))
+    rollers = Reducer(override(PIN, ["output.core_radius_mm=2", "output.roller_bearing=plain"]))
+    (row,) = backlash_with_bearings(rollers)
+    assert "output 10.5 um (E8/m6)" in row.note
+    plain = static(rollers).quantities["backlash"].value
+    assert 2.8 < row.value - plain < 3.6
+    needles = Reducer(override(PIN, ["gear.bore_radius_mm=8", "shaft.radius_mm=4"]))
+    (row,) = backlash_with_bearings(needles)
+    assert "cam 16.8 um (F8/h5)" in row.note
+    by_hand = needles.but(clearance={"cam": needles.design.clearance.cam + 0.25 * 67e-6})
+    assert row.value == pytest.approx(static(by_hand).quantities["backlash"].value)
 
 
 def test_long_tables_do_not_reach_the_curves(sheet) -> None:

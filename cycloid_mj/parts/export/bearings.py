@@ -5,7 +5,7 @@ import math
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.parts import lay_out_parts, sleeve_core_radius
-from cycloid_mj.parts.cam_bearing import needs_ringed_cam, needs_rings
+from cycloid_mj.parts.cam_bearing import cam_bearing, needs_ringed_cam, needs_rings
 from cycloid_mj.parts.export.casing import (
     bearing_width_of,
 )
@@ -46,6 +46,9 @@ CROSSED_ROLLER_FIT = "H7 outside, g5 on the hub, clamped by the retainer and the
 
 LIGHT_BORE = 18e-3
 """Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""
+
+NEEDLE_BORE = "F8"
+"""Zone of the bore of a drawn-cup needle bearing in its seat (SKF; ISO 3245)."""
 
 DOWEL_MATERIAL = "hardened steel"
 """Material of dowels of ISO 8734, type A: 550 to 650 HV."""
@@ -104,6 +107,21 @@ def roller_tube(reducer: Reducer) -> stock.Tube | None:
     cup = roller_bearing(reducer)
     bore = cup[0].outside if cup else 2.0 * output.root_radius
     return stock.tube_for(2.0 * output.pin_radius, bore)
+
+
+def bearing_clearances(reducer: Reducer) -> dict[str, tuple[str, float]]:
+    """Return the fit and the mean radial clearance [m] of needle bearings of cams, and of rollers of output pins.
+
+    The keys are those of the clearances of a design, ``cam`` and ``output``, to which these add; without such a bearing
+    or roller a key is missing. Bearings with an inner ring are left out.
+    """
+    output, sizes = reducer.design.output, {}
+    if (cam := cam_bearing(reducer)) and not stock.has_inner_ring(cam[0]):
+        sizes["cam"] = f"{NEEDLE_BORE}/h5", cam[0].bore
+    if output.has_roller_parts:
+        fit = f"{NEEDLE_BORE}/m6" if roller_bearing(reducer) else ROLLER_FIT
+        sizes["output"] = fit, 2.0 * output.root_radius
+    return {key: (fit, 0.25 * sum(fits.clearances(fit, size))) for key, (fit, size) in sizes.items()}
 
 
 def roller_bore(reducer: Reducer) -> float:
