@@ -110,9 +110,10 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
 
 
 def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force [N] of each tolerance sample (random drive) in `numbers`, shape (samples,).
+    """Compute the largest tooth force over a turn at the nominal torque [N] of the tolerance samples in `numbers`.
 
-    The force is NaN for a sample without static equilibrium. Return None if the design has no tolerances.
+    A sample is a random drive; the result has the shape (numbers,). The force is NaN for a sample without static
+    equilibrium. Return None if the design has no tolerances.
     """
     if not (zones := tolerance_zones(reducer)):
         return None
@@ -130,9 +131,10 @@ def _rank(count: int) -> int:
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
     """Draw random designs within the tolerances, and select those at the 95th percentile of their largest forces.
 
-    The forces are those on tooth, output pin and cam, or on tooth, crank bearing and planet in an RV reducer. For each
-    kind of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has
-    these designs; for all samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
+    The forces are those on tooth, output pin and cam, or on tooth, crank bearing and planet in an RV reducer, at the
+    nominal torque without friction. For each kind of force, the sample at `SETTINGS.percentile` (95 %) of all samples
+    that do not jam is selected. The result has these designs; for all samples, it has whether they jam, and their
+    backlash [arcmin] (NaN for RV reducers).
 
     Raises
     ------
@@ -151,22 +153,22 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
         return _select_rv_samples(reducer)
     zones = tolerance_zones(reducer)
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    values_by_sample = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
-    values_by_sample |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
-    jams = find_jams(values_by_sample)
+    values_by_figure = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
+    values_by_figure |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
+    jams = find_jams(values_by_figure)
     usable_numbers = np.flatnonzero(~jams & has_design_file(reducer, samples))
     if not usable_numbers.size:
         raise RunError(
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    numbers, selection_text = _select_critical_samples(values_by_sample, FORCES, usable_numbers)
+    numbers, selection_text = _select_critical_samples(values_by_figure, FORCES, usable_numbers)
     return RatedSamples(
         numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),
         f"{selection_text}, of which {int(jams.sum())} jam",
         jams,
-        values_by_sample["backlash_arcmin"],
+        values_by_figure["backlash_arcmin"],
     )
 
 
@@ -174,13 +176,13 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
     """Return `select_rated_samples` of an RV reducer with tolerances; none of its samples jams."""
     count = SETTINGS.samples
     forces = rv_samples.compute_rv_forces(reducer, count, SETTINGS.seed, SETTINGS.rv_angles)
-    numbers, words = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
+    numbers, selection_text = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
     designs = tuple(rv_samples.draw_rv_drive(reducer, SETTINGS.seed, number)[0] for number in numbers)
-    return RatedSamples(numbers, designs, words, np.zeros(count, dtype=bool), np.full(count, math.nan))
+    return RatedSamples(numbers, designs, selection_text, np.zeros(count, dtype=bool), np.full(count, math.nan))
 
 
 def _select_critical_samples(
-    forces: Mapping[str, Array], names: Mapping[str, str], usable_numbers: Integers
+    forces: Mapping[str, Array], name_by_force: Mapping[str, str], usable_numbers: Integers
 ) -> tuple[tuple[int, ...], str]:
     """Select for each kind of force the tolerance sample at the percentile `SETTINGS.percentile` of all usable samples.
 
@@ -190,16 +192,16 @@ def _select_critical_samples(
     ----------
     forces
         Forces of all samples [N] by key, shape (samples,) each.
-    names
-        Keys of the forces that rank the samples, and their names.
+    name_by_force
+        Keys of the forces that rank the samples, such as "tooth_force_n", with their names in the sentence.
     usable_numbers
         Numbers of the samples that may be selected: those that turn and can be written as a design.
     """
     rank = _rank(usable_numbers.size)
     number_by_force = {
-        key: int(usable_numbers[np.argsort(forces[key][usable_numbers], kind="stable")][rank]) for key in names
+        key: int(usable_numbers[np.argsort(forces[key][usable_numbers], kind="stable")][rank]) for key in name_by_force
     }
-    force_text = ", ".join(f"{name} {forces[key][number_by_force[key]]:.4g} N" for key, name in names.items())
+    force_text = ", ".join(f"{name} {forces[key][number_by_force[key]]:.4g} N" for key, name in name_by_force.items())
     return tuple(dict.fromkeys(number_by_force.values())), (
         "parts within the tolerances of the design: the weakest items of the samples at the "
         f"{SETTINGS.percentile:g} % percentile of the largest forces, {force_text}, at the nominal torque without "

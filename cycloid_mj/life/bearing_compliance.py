@@ -32,9 +32,10 @@ class CamCase:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert equivalent load [N] and life [h] of a cam bearing for one assumed stiffness to JSON values.
+        """Convert equivalent load [N] and life [h] of a cam bearing for an assumed radial stiffness to JSON.
 
-        Keys are ``name``, ``cam_n_m`` (the stiffness [N/m]), ``mean_load_n`` and ``life_h``. An unlimited life is None.
+        Keys are ``name``, ``cam_n_m`` (stiffness [N/m]), ``mean_load_n`` (equivalent load) and ``life_h``. An unlimited
+        life is None.
         """
         return {
             "name": self.name,
@@ -52,12 +53,12 @@ class CamCompliance:
 
     @property
     def words(self) -> str:
-        """Return a sentence with the range of loads [N] and lives [h] of the cam bearing over assumed stiffnesses."""
+        """Return a sentence with the range of loads [N] and lives [h] of the cam bearing over its assumed stiffness."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
-        life = f", its life {_range_text(lives)}" if lives else ""
+        life_text = f", its life {_range_text(lives)}" if lives else ""
         return (
-            f"cam load: {min(loads):.4g} to {max(loads):.4g} N{life}, over the range of its assumed stiffness "
+            f"cam load: {min(loads):.4g} to {max(loads):.4g} N{life_text}, over the range of its assumed stiffness "
             "(stiffness.cam_n_m): with a softer cam, the disc moves sideways and more teeth carry load"
         )
 
@@ -66,7 +67,7 @@ class CamCompliance:
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:
-        """Return a table of load [N] and life [h] of the cam bearing, with a row for each assumed stiffness [N/m]."""
+        """Return a table of load [N] and life [h] of the cam bearing, with a row for each radial stiffness [N/m]."""
         rows = tuple(
             (
                 row.name,

@@ -186,26 +186,34 @@ class OutputBearings:
 
 def balls_of(bearing: StockBearing) -> BallRow:
     """Estimate the balls of a bearing from its dimensions."""
-    size, pitch = BALL_BEARINGS.ball_share * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
+    ball_diameter = BALL_BEARINGS.ball_share * (bearing.outside - bearing.bore)
+    pitch = 0.5 * (bearing.outside + bearing.bore)
     filled_angle = ANGULAR_CONTACT.filled_angle if bearing.contact_angle else DEEP_GROOVE_FILLED_ANGLE
-    return BallRow(int(filled_angle / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
+    return BallRow(int(filled_angle / (2.0 * math.asin(ball_diameter / pitch))) + 1, ball_diameter, pitch)
 
 
 def tapered_row_of(bearing: StockBearing) -> TaperedRow:
     """Estimate number, diameter, length and pitch diameter of the rollers of a tapered roller bearing.
 
-    They follow from its dimensions and its static rating. Their length follows from C0 = 44 (1 - D cos(a)/d_pw) Z L D
-    cos(a) (ISO 76), with the contact angle a.
+    The pitch diameter is the mean of bore and outside diameter. The diameter D of a roller is a share of their
+    difference, and the number Z follows from the spacing (`TAPERED_ROLLERS`). The length L follows from the static
+    rating, C0 = 44 (1 - D cos(a)/d_pw) Z L D cos(a) (ISO 76), with the contact angle a.
     """
-    size = TAPERED_ROLLERS.diameter_share * (bearing.outside - bearing.bore)
+    roller_diameter = TAPERED_ROLLERS.diameter_share * (bearing.outside - bearing.bore)
     pitch, cosine = 0.5 * (bearing.outside + bearing.bore), math.cos(bearing.contact_angle)
-    count = math.pi * pitch / (TAPERED_ROLLERS.spacing * size)
-    length = 1e-6 * bearing.static / (44.0 * (1.0 - size * cosine / pitch) * count * size * cosine)
-    return TaperedRow(count, size, length, pitch)
+    count = math.pi * pitch / (TAPERED_ROLLERS.spacing * roller_diameter)
+    length = (
+        1e-6 * bearing.static / (44.0 * (1.0 - roller_diameter * cosine / pitch) * count * roller_diameter * cosine)
+    )
+    return TaperedRow(count, roller_diameter, length, pitch)
 
 
 def equivalent_load_limit(reducer: Reducer, bearing: StockBearing) -> float:
-    """Compute the limit of the equivalent load [N] on a bearing of the output: `OutputBearings.capacity`."""
+    """Compute the limit of the equivalent load [N] on a `bearing` of the output, such as `OutputBearings.capacity`.
+
+    It is the load for the life that the design requires at the speed of the output, over the service factor, but at
+    most the static rating.
+    """
     design = reducer.design
     speed = abs(design.drive.speed) / design.reduction
     exponent = rolling.BALL_EXPONENT if bearing.has_balls else rolling.EXPONENT

@@ -212,10 +212,10 @@ def rate_bearings(
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Compute the friction loss of the bearings of shaft and output [W], by their keys in `bearings_of`.
+    """Compute the friction loss of the bearings of shaft and output [W], by key, such as ``output_bearing_inner``.
 
-    `loading` has the solved forces. Bearings of cams and output rollers are left out, because statics includes their
-    losses.
+    Each loss follows from the mean load over the crank angles. `loading` has the solved forces. Bearings of cams and
+    output rollers are left out, because statics includes their losses.
     """
     return {
         bearing.key: friction_torque(reducer, bearing, float(bearing_forces(reducer, bearing.key, loading).mean()))
@@ -288,10 +288,10 @@ def output_ratings(bearing: StockBearing) -> Ratings:
             source = f"of IBC's catalogue: {bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
         return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)
-    by_iso = rolling.ball_capacity(balls.count, balls.diameter, balls.pitch)
-    life_ratio = (by_iso / bearing.dynamic) ** rolling.BALL_EXPONENT
+    iso_rating = rolling.ball_capacity(balls.count, balls.diameter, balls.pitch)
+    life_ratio = (iso_rating / bearing.dynamic) ** rolling.BALL_EXPONENT
     comparison_text = (
-        f"; ISO 281 gives {by_iso:.4g} N for {balls.count} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
+        f"; ISO 281 gives {iso_rating:.4g} N for {balls.count} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
         f"{life_ratio:.3g} times the life; ratings of manufacturers differ by as much"
     )
     sources = f"C {source}{comparison_text}", f"C0 {source}"
@@ -376,7 +376,7 @@ def _rate_bearing(
     weighted_speeds
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
     loadings
-        Solved loads at each point of the duty, for its torque and share of time.
+        Solved loads at each point of the duty, of which only torque and share of time are used.
     peak_torque
         Output torque for the static factor [N m]; forces are scaled in proportion to the torque.
     viscosity

@@ -18,7 +18,7 @@ STIFFNESS_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 
 def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
-    """Compute equivalent load [N] and life [h] of the cam bearing for several assumed stiffnesses of the cam.
+    """Compute equivalent load [N] and life [h] of the cam bearing for several assumed radial stiffnesses.
 
     Load and life are those over the duty cycle `duty`. There is a case for each of `STIFFNESS_FACTORS` times the
     assumed stiffness, without load and life if no static equilibrium exists. The last case is ideal load sharing of

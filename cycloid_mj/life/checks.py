@@ -100,10 +100,10 @@ def life_checks(reducer: Reducer) -> tuple[Check, ...]:
 def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str, tuple[tuple[str, float], ...]]:
     """Return single changes of the design file that make failed checks of `life_checks` pass, by name of the check.
 
-    Each change is a pair: the key of the design file, and its new value in the unit of that key. Candidates are less
-    torque and, depending on the check, a larger face width, a shorter life, a slower crank or, where the rating has the
-    torque limit of steady temperatures, a smaller share of the time under load. Each change has been rated again and
-    passes. Only checks in `names` are included.
+    Each change is a pair, such as ("service.life_h", 4500.0): key of the design file, and new value in its unit.
+    Candidates are less torque and, depending on the check, a larger face width, a shorter life, a slower crank or,
+    where the rating has the torque limit of steady temperatures, a smaller share of the time under load. Each change
+    has been rated again and passes. Only checks in `names` are included.
     """
     try:
         rating = rate_for_verdict(reducer)
@@ -204,7 +204,7 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
     The limit is a safety factor of 1, or the required life [h]. Kinds without rated items have no check.
     `decisive_items` are the items of the rating that limit the rated torque (`RatedItem.decisive`).
     """
-    for kind, (design_key, explanation) in KINDS.items():
+    for kind, (quantity_text, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not items_of_kind:
             continue
@@ -221,7 +221,7 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
             f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
             remedy="" if margin >= 1.0 else HEAT_REMEDY if kind == "heat" else REMEDY,
             severity="warning",
-            key=design_key,
+            key=quantity_text,
             value=weakest_item.life if is_life else weakest_item.safety,
             bound=rating.life if is_life else 1.0,
             unit="h" if is_life else "1",

@@ -95,7 +95,7 @@ def _torque_at_limits(
     other_limit: float,
     solved: dict[frozenset[tuple[str, float]], tuple[float, str]],
 ) -> tuple[float, str]:
-    """Compute the output torque at which a kind of contact first reaches its pressure limit.
+    """Compute the output torque [N m] at which a kind of contact first reaches its pressure limit.
 
     The law p ~ sqrt(T) is a lower bound of that torque, since more contacts share a larger torque. If the bound is more
     than `FAR_BEYOND` times `other_limit`, the bound itself is returned, since there may be no equilibrium.
@@ -105,19 +105,19 @@ def _torque_at_limits(
     worst
         Solved forces at the largest torque of the duty.
     limits
-        Pressure limit of each kind of contact [Pa].
+        Pressure limit of each kind of contact [Pa], such as {"pin_gear": 2e9}; not empty.
     other_limit
         Smallest torque of the other limits [N m].
     solved
-        Torques and kinds of contact by limits, to which the result is added: yield and dents of most plastics have the
-        same limits.
+        Results of earlier calls, by the set of the items of `limits`, to which this result is added: yield and dents of
+        most plastics have the same limits.
 
     Returns
     -------
     tuple
         The torque [N m], and a text with the kind of contact and how the torque was computed.
     """
-    kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
+    kind = min(limits, key=lambda pair_kind: limits[pair_kind] / worst.pressures[pair_kind])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
     estimated_torque = torque * (limits[kind] / worst.pressures[kind]) ** 2
     root_note = "the pressure is assumed to grow with the square root of the torque"

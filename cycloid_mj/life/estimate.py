@@ -85,9 +85,11 @@ FIGURES = ("mass", "length", "backlash")
 def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) -> Estimate:
     """Estimate torque limits [N m], mass, length and backlash of n candidate drives, without solving statics.
 
-    There is a limit for each item, a part with a kind of failure; the keys are those of `FIGURES`. As the loads depend
-    on the torque, a fixed-point iteration determines both. The limit ``other`` stands for all items that have no
-    estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is undercut.
+    The result has a torque limit for each item, a part with a kind of failure, under the item's key in a rating, such
+    as ``cam_bearing``, and the other quantities under the keys `FIGURES`. As the loads depend on the torque, a
+    fixed-point iteration determines both. The limit ``other`` stands for all items that have no estimate: it is the
+    smallest of the estimated limits, or 0 if the profile of the disc is undercut. The backlash is that of the nominal
+    clearances, without errors.
 
     Parameters
     ----------
@@ -98,7 +100,7 @@ def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) ->
     diameter
         Outer diameter of the drives with their covers [m].
     deviation
-        Standard deviation of every dimension within the tolerances [m].
+        Standard deviation of the manufacturing errors, the same for all dimensions [m].
     """
     torque = np.full(sizes.circle.shape, FIRST_TORQUE * diameter**3)
     for _ in range(ROUNDS):
@@ -111,9 +113,9 @@ def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) ->
         limits["temperature"] = _thermal_torque_limit(sizes, design, loads, diameter)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
-    play = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
+    half_backlash = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
     figures = {"mass": _estimate_mass(sizes, design, diameter), "length": _length(sizes, design, diameter)}
-    return {**limits, **figures, "backlash": 2.0 * play / ARCMINUTE}
+    return {**limits, **figures, "backlash": 2.0 * half_backlash / ARCMINUTE}
 
 
 def capacity(guess: Estimate, but: tuple[str, ...] = ()) -> Array:
@@ -168,43 +170,50 @@ class _Loads:
         The critical disc carries the largest share of the torque, because its errors let it lead the other discs. Its
         teeth share this part like springs in parallel, and so do its output pins. `sizes` are the dimensions of the
         candidates, `design` has what they have in common, and `deviation` is the standard deviation of their dimensions
-        [m]. The result has the forces on teeth, output pins and cam, the pressure on the teeth, and their losses.
+        [m]. The result has the forces on teeth, output pins and cam, and pressure and sliding of the teeth.
         """
-        teeth, discs = design.ring.teeth, design.gear.discs
+        tooth_count, disc_count = design.ring.teeth, design.gear.discs
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
-        circle, pin_radius, eccentricity = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
-        k1 = eccentricity * teeth / circle
-        distance = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
-        arm = eccentricity * design.lobes * np.sin(angle) / distance
+        circle_radius, pin_radius, eccentricity = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
+        k1 = eccentricity * tooth_count / circle_radius
+        relative_distance = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
+        arm = eccentricity * design.lobes * np.sin(angle) / relative_distance
         pin_arm = sizes.circle_out[:, None] * np.sin(angle)
         series_factor = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
         line_stiffness = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
-        bending = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
-        bending = bending / _stack(sizes, design) ** 3
-        weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
+        bending_stiffness = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
+        bending_stiffness = bending_stiffness / _stack(sizes, design) ** 3
+        contacts_per_angle = np.full(len(sizes), 0.5 * tooth_count / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
-        tooth_springs = arm, weights[0], series_factor * LINE_STIFFNESS * modulus * sizes.face, play
+        tooth_springs = arm, contacts_per_angle[0], series_factor * LINE_STIFFNESS * modulus * sizes.face, play
         pin_springs = (
             pin_arm,
-            weights[1],
-            1.0 / (1.0 / line_stiffness + 1.0 / np.maximum(bending, 1.0)),
+            contacts_per_angle[1],
+            1.0 / (1.0 / line_stiffness + 1.0 / np.maximum(bending_stiffness, 1.0)),
             design.clearance.output,
         )
-        torsional_stiffness = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]
+        torsional_stiffness = [
+            share_torque(*springs, torque / disc_count)[1] for springs in (tooth_springs, pin_springs)
+        ]
         lead_torque = (
             CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional_stiffness[0] + 1.0 / torsional_stiffness[1])
         )
-        disc_share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead_torque / torque, 1.0)
-        error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
-        force, pin_force = (share_torque(*springs, disc_share * torque)[0] for springs in (tooth_springs, pin_springs))
-        peak_force = protruding_forces(*tooth_springs, disc_share * torque, CRITICAL * error)
+        disc_share = np.minimum(1.0 / disc_count + (1.0 - 1.0 / disc_count) * lead_torque / torque, 1.0)
+        # a thicker pin in a socket closes both its gaps
+        tooth_deviation = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation
+        tooth_force, pin_force = (
+            share_torque(*springs, disc_share * torque)[0] for springs in (tooth_springs, pin_springs)
+        )
+        peak_force = protruding_forces(*tooth_springs, disc_share * torque, CRITICAL * tooth_deviation)
         peak_pin_force = protruding_forces(*pin_springs, disc_share * torque, CRITICAL * deviation)
-        path_radius = circle * distance**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
+        path_radius = (
+            circle_radius * relative_distance**3 / (1.0 + tooth_count * k1**2 - (tooth_count + 1) * k1 * np.cos(angle))
+        )
         curvature = np.maximum(1.0 / pin_radius + 1.0 / (path_radius - pin_radius), 1e-3)
-        tangential_force = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
-        radial_force = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
-        pin_sum = weights[1] * pin_force.sum(axis=1)
+        tangential_force = contacts_per_angle[0] * (tooth_force * np.sin(angle) / relative_distance).sum(axis=1)
+        radial_force = contacts_per_angle[0] * (tooth_force * (np.cos(angle) - k1) / relative_distance).sum(axis=1)
+        pin_sum = contacts_per_angle[1] * pin_force.sum(axis=1)
         speed = design.drive.speed / design.lobes
         return cls(
             torque,
@@ -214,7 +223,10 @@ class _Loads:
             peak_pin_force.max(axis=1),
             pin_sum,
             np.hypot(tangential_force, np.abs(radial_force) + pin_sum),
-            weights[0] * (force * np.abs(circle * distance - pin_radius)).sum(axis=1) * speed / disc_share,
+            contacts_per_angle[0]
+            * (tooth_force * np.abs(circle_radius * relative_distance - pin_radius)).sum(axis=1)
+            * speed
+            / disc_share,
             np.min(np.where(path_radius > 0.0, path_radius - pin_radius - play, np.inf), axis=1) > 0.0,
             play,
             arm.max(axis=1),
@@ -229,8 +241,8 @@ def _modulus(design: Design, kind: str) -> float:
 def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the pressures on teeth and output pins.
 
-    The result has an array (n,) by name of the limit, such as ``output_pitting``. Limits are pitting of steel (also
-    lubricated) or permanent set of a plastic, and yield at twice the torque. `sizes` are the dimensions of the
+    The result has an array (n,) by key of the item, such as ``output_pitting``. Limits are pitting of steel (also
+    lubricated) or permanent set of a plastic, and yield at twice the output torque. `sizes` are the dimensions of the
     candidates, and `loads` their loads at `loads.torque`.
     """
     hole_radius = sizes.stud + sizes.eccentricity
@@ -265,36 +277,36 @@ def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[
 def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter: float) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
-    The result has an array (n,) by name of the limit. The limits are their lives, and their static ratings at twice the
-    torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`. `diameter` is the
-    outer diameter of the drives with covers [m].
+    The result has an array (n,) by key of the item, such as ``cam_bearing``. The limits are their lives, and their
+    static ratings at twice the output torque. `sizes` are the dimensions of the candidates, and `loads` their loads at
+    `loads.torque`. `diameter` is the outer diameter of the drives with covers [m].
     """
-    discs, stack = design.gear.discs, _stack(sizes, design)
+    disc_count, stack_width = design.gear.discs, _stack(sizes, design)
     megaturns = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6
-    near_arm = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing
-    far_arm = stack / 2.0 + sizes.disc + sizes.bearing / 2.0
+    near_arm = stack_width / 2.0 + 1.5 * sizes.disc + sizes.bearing
+    far_arm = stack_width / 2.0 + sizes.disc + sizes.bearing / 2.0
     near_load, far_load = loads.cam * far_arm / (near_arm + far_arm), loads.cam * near_arm / (near_arm + far_arm)
-    if discs > 1:
-        near_load = far_load = loads.cam * (stack - sizes.face) / (near_arm + far_arm)
+    if disc_count > 1:
+        near_load = far_load = loads.cam * (stack_width - sizes.face) / (near_arm + far_arm)
     max_outside = sizes.circle + sizes.pin
-    hubs = stock.thin_ball_bearings()
+    hub_bearings = stock.thin_ball_bearings()
     min_wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
     min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - min_wall
     hub_index = np.minimum(
-        np.searchsorted([bearing.outside for bearing in hubs], 2.0 * max_outside, side="right") - 1,
-        np.searchsorted([bearing.bore for bearing in hubs], 2.0 * min_bore, side="right") - 1,
+        np.searchsorted([bearing.outside for bearing in hub_bearings], 2.0 * max_outside, side="right") - 1,
+        np.searchsorted([bearing.bore for bearing in hub_bearings], 2.0 * min_bore, side="right") - 1,
     )
-    dynamic, width, static, bore, diameter = (
-        np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(hub_index, 0)]
+    dynamic, width, static, bore, outside = (
+        np.array([getattr(bearing, key) for bearing in hub_bearings])[np.maximum(hub_index, 0)]
         for key in ("dynamic", "width", "static", "bore", "outside")
     )
     is_plastic = design.material_of("gear").is_plastic
-    spacing = 1.5 * width if is_plastic else width + 0.5 * (bore + diameter) * math.tan(stock.ANGULAR_CONTACT.angle)
-    lever = stack / 2.0 + sizes.disc + width / 2.0
-    if discs == 1:
+    spacing = 1.5 * width if is_plastic else width + 0.5 * (bore + outside) * math.tan(stock.ANGULAR_CONTACT.angle)
+    lever = stack_width / 2.0 + sizes.disc + width / 2.0
+    if disc_count == 1:
         inner_load, outer_load = loads.pin_sum * (lever + spacing) / spacing, loads.pin_sum * lever / spacing
     else:
-        inner_load = outer_load = loads.pin_sum * (stack - sizes.face) / spacing
+        inner_load = outer_load = loads.pin_sum * (stack_width - sizes.face) / spacing
     hub_load = np.hypot(inner_load, near_load)
     roller_power, ball_power = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
     spin_ratios = np.maximum(sizes.eccentricity / np.maximum(sizes.stud, 1e-6), 1e-6)
@@ -317,20 +329,21 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
 
 
 def _stack(sizes: Sizes, design: Design) -> Array:
-    discs = design.gear.discs
-    return discs * sizes.face + (discs - 1) * design.gear.disc_gap
+    disc_count = design.gear.discs
+    return disc_count * sizes.face + (disc_count - 1) * design.gear.disc_gap
 
 
 def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by output pins and by the walls between holes.
 
-    The result has the shape (n,) by name of the limit. The pins are beams clamped at both ends: limits are fatigue, and
-    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
+    The result has an array (n,) by key of the item, such as ``output_pin_fatigue``. The pins are beams clamped at both
+    ends: limits are fatigue, and yield at twice the output torque. `sizes` are the dimensions of the candidates, and
+    `loads` their loads at `loads.torque`.
     """
-    material, discs = design.material_of("output"), design.gear.discs
-    span = discs * sizes.face
-    bending_stress = 4.0 * loads.pin * discs * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)
-    shear_stress = loads.pin * discs / (2.0 * math.pi * np.maximum(sizes.core, 1e-6) ** 2)
+    material, disc_count = design.material_of("output"), design.gear.discs
+    span = disc_count * sizes.face
+    bending_stress = 4.0 * loads.pin * disc_count * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)
+    shear_stress = loads.pin * disc_count / (2.0 * math.pi * np.maximum(sizes.core, 1e-6) ** 2)
     limits = {
         "output_pin_fatigue": ENDURANCE_SHARE * material.tensile_strength / bending_stress,
         "peak_pin_bending": material.yield_strength / (2.0 * bending_stress),
@@ -338,14 +351,19 @@ def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str,
     }
     hole_radius, disc_material = sizes.stud + sizes.eccentricity, design.material_of("gear")
     root_radius = sizes.circle - sizes.eccentricity - sizes.pin
-    walls = {
+    wall_thicknesses = {
         "hole_to_hole": 2.0 * (sizes.circle_out * np.sin(np.pi / sizes.count) - hole_radius),
         "hole_to_root": root_radius - sizes.circle_out - hole_radius,
         "bore_to_hole": sizes.circle_out - hole_radius - sizes.bore,
     }
-    for name, thickness in walls.items():
-        wall = np.maximum(thickness, 1e-6)
-        stress = 0.75 * loads.pin / (sizes.face * wall) * np.maximum(2.0 * hole_radius / wall, math.sqrt(3.0))
+    for name, thickness in wall_thicknesses.items():
+        positive_thickness = np.maximum(thickness, 1e-6)
+        stress = (
+            0.75
+            * loads.pin
+            / (sizes.face * positive_thickness)
+            * np.maximum(2.0 * hole_radius / positive_thickness, math.sqrt(3.0))
+        )
         limits[f"{name}_fatigue"] = ENDURANCE_SHARE * disc_material.tensile_strength / stress
     return {key: loads.torque * limit for key, limit in limits.items()}
 
@@ -383,9 +401,9 @@ def _thermal_torque_limit(sizes: Sizes, design: Design, loads: _Loads, diameter:
 
 
 def _length(sizes: Sizes, design: Design, diameter: float) -> Array:
-    """Estimate the length by its regression on discs, shaft bearing and diameter."""
-    parts = _stack(sizes, design), sizes.bearing, diameter, 1.0
-    return np.asarray(LENGTH @ np.stack(np.broadcast_arrays(*parts)))
+    """Estimate the length of n candidates [m], shape (n,), by a regression on discs, shaft bearing and diameter."""
+    terms = _stack(sizes, design), sizes.bearing, diameter, 1.0
+    return np.asarray(LENGTH @ np.stack(np.broadcast_arrays(*terms)))
 
 
 def _estimate_mass(sizes: Sizes, design: Design, diameter: float) -> Array:
@@ -394,12 +412,24 @@ def _estimate_mass(sizes: Sizes, design: Design, diameter: float) -> Array:
     These are ring, discs, cams, covers and output discs; their weights `MASS` follow from a regression. `sizes` are the
     dimensions of the candidates, `design` has their materials, and `diameter` [m] is their outer diameter.
     """
-    radius, inner_radius, stack = diameter / 2.0, sizes.circle - sizes.pin, _stack(sizes, design)
-    ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))
+    radius, inner_radius, stack_width = diameter / 2.0, sizes.circle - sizes.pin, _stack(sizes, design)
+    ring_density, disc_density, shaft_density, output_density = (
+        design.material_of(part).density for part in ("housing", "gear", "shaft", "output")
+    )
     light_density = MATERIALS[LIGHT_METAL].density
     cover_term = (
-        (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(sizes, design, diameter) - stack)
+        (light_density if ring_density > 2.0 * light_density else ring_density)
+        * radius**2
+        * (_length(sizes, design, diameter) - stack_width)
     )
-    bodies = (ring * (sizes.outer**2 - inner_radius**2) * stack, disc * (inner_radius**2 - sizes.bore**2) * stack)
-    terms = (*bodies, shaft * sizes.bore**2 * stack, cover_term, 2.0 * output * sizes.circle_out**2 * sizes.disc)
+    ring_and_disc_terms = (
+        ring_density * (sizes.outer**2 - inner_radius**2) * stack_width,
+        disc_density * (inner_radius**2 - sizes.bore**2) * stack_width,
+    )
+    terms = (
+        *ring_and_disc_terms,
+        shaft_density * sizes.bore**2 * stack_width,
+        cover_term,
+        2.0 * output_density * sizes.circle_out**2 * sizes.disc,
+    )
     return np.asarray(math.pi * (MASS @ np.stack(terms)))

@@ -44,11 +44,11 @@ def running_share(reducer: Reducer, loadings: Sequence[Loading]) -> float:
 
 def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
     """Compute the mean power lost over a duty [W], by source: the contacts, the seals, and each bearing."""
-    mean: dict[str, float] = {}
+    mean_power: dict[str, float] = {}
     for loading in loadings:
-        for part, power in {**loading.losses, **bearing_losses(reducer, loading)}.items():
-            mean[part] = mean.get(part, 0.0) + power * loading.point.share
-    return mean
+        for source, power in {**loading.losses, **bearing_losses(reducer, loading)}.items():
+            mean_power[source] = mean_power.get(source, 0.0) + power * loading.point.share
+    return mean_power
 
 
 def still_air_coefficient(
@@ -76,7 +76,7 @@ def still_air_coefficient(
 def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> float:
     """Return the heat transfer coefficient of the housing [W/(m2 K)] at its `wall_temperature` [°C].
 
-    The design states it; otherwise it is `still_air_coefficient`.
+    It is that of the design (``service.film_coefficient_w_m2_k``), or if that is 0 `still_air_coefficient`.
     """
     service = reducer.design.service
     outer_radius = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius
@@ -134,7 +134,8 @@ def cooling_area(reducer: Reducer) -> float:
 def cooled_end_area(reducer: Reducer) -> float:
     """Compute the part of `cooling_area` that belongs to the output [m2].
 
-    It is both ends of the carrier of an RV reducer, an end of an output disc without covers, and 0 with covers.
+    It is both ends of the carrier of an RV reducer, or an end of an output disc without covers. With covers it is 0,
+    because they belong to the housing.
     """
     if isinstance(reducer, RvReducer):
         return 2.0 * math.pi * reducer.flange_radius**2
@@ -144,9 +145,9 @@ def cooled_end_area(reducer: Reducer) -> float:
 def clearance_growth(reducer: Reducer, kind: str) -> float:
     """Compute the growth of the clearance of a kind of mating pair per kelvin [m/K], at its tightest contact.
 
-    `kind` is a key of `PARTNERS`, such as "output". All parts have the same temperature. Ring pins move with the
-    housing, output pins with the output disc, and the disc expands from its centre. For output pins, the tightest pin
-    includes the mismatch of the circles of pins and holes.
+    It is negative if heat closes the clearance. `kind` is a key of `PARTNERS`, such as "output". All parts have the
+    same temperature. Ring pins move with the housing, output pins with the output disc, and the disc expands from its
+    centre. For output pins, the tightest pin includes the mismatch of the circles of pins and holes.
     """
     design = reducer.design
     ring, output = design.ring, design.output
@@ -201,6 +202,13 @@ def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
     parts: dict[str, list[str]] = {}
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)
-    for material, names in parts.items():
-        entry, name = (MATERIALS.get(material), f"{' and '.join(names)}, {material or 'a material without a name'}")
-        yield (HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, USUAL_LIMIT, "assumed"))
+    for material, part_names in parts.items():
+        library_entry, name = (
+            MATERIALS.get(material),
+            f"{' and '.join(part_names)}, {material or 'a material without a name'}",
+        )
+        yield (
+            HeatLimit(name, library_entry.hottest, "library")
+            if library_entry
+            else HeatLimit(name, USUAL_LIMIT, "assumed")
+        )

@@ -27,8 +27,8 @@ def thermal_of(design: Named, duty: Duty | None = None, settings: ThermalSetting
     Returns
     -------
     ThermalState
-        That of `thermal`, with the momentary torque and the largest speed of the greased bearings; limits by heat
-        beyond these values are marked.
+        That of `thermal`, with the momentary torque and the largest speed of the greased bearings; the text of a larger
+        limit by heat adds "by heat alone".
 
     Raises
     ------

@@ -100,8 +100,8 @@ class RatedItem:
     def judgement(self, required_life: float) -> Judgement:
         """Return whether a part passes, fails or causes a warning, for a required life [h].
 
-        A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). An item without a
-        limit is not judged.
+        A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). Without a limit, the
+        judgement is `Judgement.NOT_APPLICABLE`.
         """
         has_no_limit = self.safety is None and self.life is None
         return judge(None if has_no_limit else self.margin(required_life), self.decisive)
@@ -243,10 +243,10 @@ class Rating(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the rating of a drive to JSON values.
 
-        Keys are ``design`` (its name), ``condition`` (the duty in words), ``required_life_h`` [h], ``parts`` (the rated
-        parts, see `Rating`), ``weakest`` (key of the weakest item), ``items`` (a dict for each part and kind of
-        failure) and ``assumptions`` (sentences). If it was requested, ``cam_give`` lists stiffness [N/m], load [N] and
-        life [h] of the cam bearing for several stiffnesses (`CamCase.as_json`).
+        Keys are ``design`` (its name), ``condition`` (the duty in words), ``required_life_h`` [h], ``parts`` (their
+        condition, such as "perfect"), ``weakest`` (key of the weakest item), ``items`` (a dict for each part and kind
+        of failure) and ``assumptions`` (sentences). If it was requested, ``cam_give`` lists stiffness [N/m], load [N]
+        and life [h] of the cam bearing for several stiffnesses (`CamCase.as_json`).
         """
         content = {
             "design": self.design,

@@ -57,7 +57,8 @@ def rate(
     poses, stops
         Number of crank angles; whether to rate emergency stops and joints too, which takes half of the time.
     parts
-        Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
+        "perfect" to rate the parts as designed, "toleranced" to rate samples within the tolerances of the design
+        (``life.as_built``).
     steady
         Whether, with the friction law ``film``, losses, temperatures and viscosity of the oil are those of the steady
         state. Otherwise, losses are those at 20 °C, and the temperature of the oil is estimated by them (RV reducer:
@@ -227,10 +228,10 @@ def rate_at_rated_load(reducer: Reducer) -> Rating:
 
 @once
 def rate_for_verdict(reducer: Reducer) -> Rating:
-    """Rate a reducer at its nominal torque and speed for its required life, within its tolerances if it has any.
+    """Rate a reducer at its nominal torque and speed for its required life: samples if it has tolerances.
 
-    The command ``cycloid-mj rate`` without options prints this rating. Unlike `rate_at_rated_load`, it includes heat
-    for an RV reducer.
+    Samples are random drives within the tolerances (`select_rated_samples`). The command ``cycloid-mj rate`` without
+    options prints this rating. Unlike `rate_at_rated_load`, it includes heat for an RV reducer.
     """
     parts = default_parts(reducer.design)
     if isinstance(reducer, RvReducer):

@@ -59,7 +59,7 @@ class JointTorques:
         return cls(carrier, carrier * design.ring.teeth / design.lobes, torque / design.reduction)
 
     def torque_between(self, parts: Sequence[str]) -> float:
-        """Return the torque [N m] that the named mating parts transmit to each other.
+        """Return the torque [N m] that mating parts transmit to each other; `parts` are their names.
 
         It is the torque on the crank for joints of motor, shaft or cams, the torque on the carrier for joints of
         output, flange or driven machine, and the torque on the ring for all others.
@@ -145,7 +145,7 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 
 
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
-    """Return the tightening torques [N m] of the screws of a drive, by their name in the bill of materials."""
+    """Return the tightening torques [N m] of the screws of a drive, by bought part, such as "flange_screw"."""
     clamp = cam_clamp(reducer)
     torques = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
     for screwed_joint in screwed_joints(reducer):
@@ -165,17 +165,19 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are the torques on
     crank, carrier and ring at the peak torque of the output.
     """
-    joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
+    joints, screw_joints = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowel_torques = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
-    dowel_torque_by_face = {frozenset(joint.parts): torque for joint, torque in dowel_torques.items()}
-    covers = {names.MOTOR_COVER, names.OUTPUT_COVER}
-    cover_joint = next((screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == covers), None)
+    dowel_torque_by_face = {frozenset(joint.parts): dowel_limit for joint, dowel_limit in dowel_torques.items()}
+    cover_names = {names.MOTOR_COVER, names.OUTPUT_COVER}
+    cover_joint = next(
+        (screwed_joint for screwed_joint in screw_joints if {*screwed_joint.joint.parts} == cover_names), None
+    )
     ring_slip_torque = _ring_slip_torque(reducer, cover_joint) if cover_joint else 0.0
-    for screwed_joint in screwed:
+    for screwed_joint in screw_joints:
         parts = screwed_joint.joint.parts
         if names.RETAINER in parts:
             continue  # it transmits no torque
-        part_chain = (names.MOTOR_COVER, names.HOUSING, names.OUTPUT_COVER) if {*parts} == covers else parts
+        part_chain = (names.MOTOR_COVER, names.HOUSING, names.OUTPUT_COVER) if {*parts} == cover_names else parts
         dowel_torque = min(dowel_torque_by_face.get(frozenset(face), 0.0) for face in pairwise(part_chain))
         common_note = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
         common_note += f"; dowels transmit {dowel_torque:.3g} N m without friction" if dowel_torque else ""
@@ -188,10 +190,10 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
                 limit.source,
                 limit.note + common_note,
             )
-    for joint, torque in dowel_torques.items():
+    for joint, dowel_limit in dowel_torques.items():
         (part,) = joint.bought
         friction_torques = [
-            screwed_joint.torque for screwed_joint in screwed if {*joint.parts} <= {*screwed_joint.joint.parts}
+            screwed_joint.torque for screwed_joint in screw_joints if {*joint.parts} <= {*screwed_joint.joint.parts}
         ]
         friction_torque = max(friction_torques, default=ring_slip_torque if names.HOUSING in joint.parts else 0.0)
         friction_note = f"; screws transmit {friction_torque:.3g} N m by friction" if friction_torque else ""
@@ -199,12 +201,14 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             _slug(joint),
             joint.name,
             torques.torque_between(joint.parts),
-            max(torque, friction_torque),
+            max(dowel_limit, friction_torque),
             f"n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and {_hole_source(reducer, joint)}",
             f"{len(part.origins)} x {part.designation}{friction_note}",
         )
     if cover_joint:
-        ring_dowel_torques = [torque for joint, torque in dowel_torques.items() if names.HOUSING in joint.parts]
+        ring_dowel_torques = [
+            dowel_limit for joint, dowel_limit in dowel_torques.items() if names.HOUSING in joint.parts
+        ]
         yield _rate_clamped_ring(reducer, torques.ring, cover_joint, max(ring_dowel_torques, default=0.0))
 
 
@@ -275,15 +279,15 @@ def _ring_slip_torque(reducer: Reducer, cover_screws: ScrewedJoint) -> float:
     return strength.friction_torque(cover_screws.count, cover_screws.preload, radius)
 
 
-def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> ScrewedJoint:
+def _make_screwed_joint(reducer: Reducer, drive_casing: Casing, joint: Joint) -> ScrewedJoint:
     """Return a screwed joint with its thread, property class, circle radius [m] and preload limits.
 
-    `joint` are the parts and screws, `covers` are the covers of the drive. Screws of motor and driven machine are not
-    in the bill of materials: their property classes are assumed.
+    `joint` are the parts and screws, `drive_casing` are the covers of the drive. Screws of motor and driven machine are
+    not in the bill of materials: their property classes are assumed.
     """
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
-    nominal_diameter = dict(screw.dimensions)["thread"] if screw else _foreign_thread(covers, joint)
+    nominal_diameter = dict(screw.dimensions)["thread"] if screw else _foreign_thread(drive_casing, joint)
     thread = strength.Thread(nominal_diameter, stock.pitch(nominal_diameter))
     assumed_class = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
     property_class = screw.material.split()[-1] if screw else assumed_class
@@ -292,8 +296,8 @@ def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> Screw
     return replace(screwed_joint, limits=limits)
 
 
-def _foreign_thread(casing: Casing, joint: Joint) -> float:
-    return casing.motor.thread if MOTOR in joint.parts else casing.flange_bolt.thread
+def _foreign_thread(drive_casing: Casing, joint: Joint) -> float:
+    return drive_casing.motor.thread if MOTOR in joint.parts else drive_casing.flange_bolt.thread
 
 
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
@@ -477,7 +481,10 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 def _rate_glued_shaft(
     reducer: Reducer, key_and_name: tuple[str, str], torque: float, diameter: float, length: float
 ) -> RatedItem:
-    """Return the item of a glued cylindrical joint of the crank, of a diameter and length [m], under a torque [N m]."""
+    """Rate a glued cylindrical joint of the crank: `torque` [N m] against the torque at which the glue shears.
+
+    `key_and_name` are key and name of the rated item, `diameter` and `length` [m] are those of the joint.
+    """
     on_plastic = _material(reducer, names.SHAFT).is_plastic
     slip_torque = 0.5 * diameter * strength.glued_force(diameter, length, on_plastic)
     size = f"{1e3 * diameter:.4g} x {1e3 * length:.4g} mm"
@@ -485,15 +492,15 @@ def _rate_glued_shaft(
     return torque_item(*key_and_name, torque, slip_torque, PLASTIC_GLUE_SOURCE if on_plastic else GLUE_SOURCE, note)
 
 
-def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
+def _rate_shrunk_cams(name: str, torque: float, cam_fit: ShrinkFit) -> RatedItem:
     """Rate the shrink fit of the cams on the shaft: `torque` [N m] against the slip torque of a single cam.
 
-    `shrunk` has the dimensions of the shrink fit, `name` is the name of the item without the kind of fit.
+    `cam_fit` has the dimensions of the shrink fit, `name` is the name of the item without the kind of fit.
     """
-    press_fit = shrunk.press
-    item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press_fit, shrunk.zones, shrunk.yield_pressure)
-    max_interference = -fits.clearances(shrunk.zones, press_fit.diameter)[0]
-    growth = press_fit.growth(min(press_fit.pressure(max_interference), shrunk.yield_pressure))
+    press_fit = cam_fit.press
+    item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press_fit, cam_fit.zones, cam_fit.yield_pressure)
+    max_interference = -fits.clearances(cam_fit.zones, press_fit.diameter)[0]
+    growth = press_fit.growth(min(press_fit.pressure(max_interference), cam_fit.yield_pressure))
     wall = 0.5 * (press_fit.outside - press_fit.diameter)
     note = (
         f"{item.note}; thinnest wall {1e3 * wall:.3g} mm; the cam grows by up to {1e6 * growth:.2g} um in diameter: "
@@ -634,11 +641,11 @@ def _rate_second_disc(reducer: Reducer, loading: Loading, force_scale: float) ->
     The axial force is the preload of the pair, or that of the radial forces of discs and shaft on its bearings, if this
     is larger. `force_scale` [1] multiplies the forces of `loading`. Yields nothing without a stop ring.
     """
-    covers, output = casing(reducer), reducer.design.output
-    if covers.stop_ring is None:
+    drive_casing, output = casing(reducer), reducer.design.output
+    if drive_casing.stop_ring is None:
         return
     radial_load = force_scale * max(float(magnitudes(force).max()) for force in output_bearing_forces(reducer, loading))
-    force, seat = pair_thrust(covers.hub, radial_load), second_disc_seat(reducer)
+    force, seat = pair_thrust(drive_casing.hub, radial_load), second_disc_seat(reducer)
     yield RatedItem(
         "joint_second_disc_axial",
         "second output disc on its pins, press fits against the bearings' axial force",
@@ -648,8 +655,8 @@ def _rate_second_disc(reducer: Reducer, loading: Loading, force_scale: float) ->
         seat.force / force,
         None,
         "F = n mu p pi d l (DIN 7190-1); preload, or F_r tan(a) J_a/J_r (Harris)",
-        f"{output.pins} pins, {seat.description}; without a load on the flange; preload {preload(covers.hub):.3g} N, "
-        f"radial force {radial_load:.3g} N",
+        f"{output.pins} pins, {seat.description}; without a load on the flange; preload "
+        f"{preload(drive_casing.hub):.3g} N, radial force {radial_load:.3g} N",
     )
 
 
@@ -662,15 +669,17 @@ class AxialSeat:
 
 
 def second_disc_seat(reducer: Reducer) -> AxialSeat:
-    """Return the axial force that the press fits of all output pins in the second disc of the output transmit.
+    """Return the axial force at which the press fits of all output pins in the second disc slip, at mean interference.
 
-    The description states the fit, and the range of the force over its zones.
+    The description states the fit, and the range of the force over its tolerance zones.
     """
     output, zones = reducer.design.output, output_pin_fit(reducer)
-    disc = _material(reducer, names.SECOND_OUTPUT)
-    fit, max_pressure = _pin_press_fit(reducer, (output.root_radius, output.disc_thickness, names.OUTPUT, disc))
+    disc_material = _material(reducer, names.SECOND_OUTPUT)
+    fit, max_pressure = _pin_press_fit(
+        reducer, (output.root_radius, output.disc_thickness, names.OUTPUT, disc_material)
+    )
     interference, (pressure, *end_pressures) = _fit_pressures(fit, zones, max_pressure)
-    least_force, largest_force = (output.pins * fit.force(value) for value in end_pressures)
+    least_force, largest_force = (output.pins * fit.force(end_pressure) for end_pressure in end_pressures)
     return AxialSeat(
         output.pins * fit.force(pressure),
         f"{_describe_fit(zones, interference, pressure)}; {least_force:.3g} to {largest_force:.3g} N within the "
@@ -686,21 +695,21 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
     design, ring = reducer.design, reducer.design.ring
     if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
         return
-    force, length = force_scale * loading.teeth, design.gear.stack_width / ring.halves
+    force, seat_length = force_scale * loading.teeth, design.gear.stack_width / ring.halves
     if ring.has_sleeves:
-        core, length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
-        friction_torque = design.friction_of("pin_sleeve") * force * core
+        pin_core_radius, seat_length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
+        friction_torque = design.friction_of("pin_sleeve") * force * pin_core_radius
         yield _rate_press_fit(
             reducer,
             ("joint_ring_pin_press", "ring pin in both covers, press fit against turning"),
             friction_torque,
-            (core, length, names.PIN, _material(reducer, names.HOUSING)),
+            (pin_core_radius, seat_length, names.PIN, _material(reducer, names.HOUSING)),
             sleeve_pin_fit(reducer),
         )
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
     on_plastic = _material(reducer, names.HOUSING).is_plastic
-    half_pin_torque = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length, on_plastic) * ring.pin_radius
+    half_pin_torque = 0.5 * strength.glued_force(2.0 * ring.pin_radius, seat_length, on_plastic) * ring.pin_radius
     yield torque_item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
@@ -708,8 +717,8 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
         half_pin_torque,
         f"half of {PLASTIC_GLUE_SOURCE if on_plastic else GLUE_SOURCE}",
         f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: {adhesive_of(on_plastic)} "
-        f"on half of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * length:.4g} mm, as a press fit needs a closed "
-        "bore",
+        f"on half of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * seat_length:.4g} mm, as a press fit needs a "
+        "closed bore",
     )
 
 
@@ -735,16 +744,16 @@ def _pin_press_fit(reducer: Reducer, seat: tuple[float, float, str, Material]) -
 
     `seat` has radius and length of the fit [m], the name of the part that the pin is, and the material of the hole.
     """
-    radius, length, part, hub = seat
-    pin = reducer.design.material_of(part)
+    radius, length, part, hub_material = seat
+    pin_material = reducer.design.material_of(part)
     fit = strength.PressFit(
         2.0 * radius,
         length,
         JOINTS.wall_ratio * 2.0 * radius,
-        (hub.youngs_modulus, hub.poisson),
-        (pin.youngs_modulus, pin.poisson),
+        (hub_material.youngs_modulus, hub_material.poisson),
+        (pin_material.youngs_modulus, pin_material.poisson),
     )
-    return fit, fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
+    return fit, fit.yield_pressure(hub_material.yield_strength) * _permanent_share(hub_material)
 
 
 def _press_fit_item(
@@ -777,14 +786,18 @@ def _fit_pressures(fit: strength.PressFit, zones: str, max_pressure: float) -> t
     least_interference, largest_interference = (
         -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
     )
-    mean_pressure, least_pressure, largest_pressure = (
-        strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
-        for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
+    mean_effective_interference, least_effective_interference, largest_effective_interference = (
+        strength.effective_interference(interference, JOINTS.hole_roughness, JOINTS.pin_roughness)
+        for interference in (
+            0.5 * (least_interference + largest_interference),
+            least_interference,
+            largest_interference,
+        )
     )
-    return mean_pressure, (
-        min(fit.pressure(mean_pressure), max_pressure),
-        min(fit.pressure(least_pressure), max_pressure),
-        min(fit.pressure(largest_pressure), max_pressure),
+    return mean_effective_interference, (
+        min(fit.pressure(mean_effective_interference), max_pressure),
+        min(fit.pressure(least_effective_interference), max_pressure),
+        min(fit.pressure(largest_effective_interference), max_pressure),
     )
 
 

@@ -225,50 +225,53 @@ def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_lo
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
     """Compute the `Sliding` over a turn of each kind of mating pair whose contacts slide.
 
-    The result is by kind of pair: ring pins, output pins or plain rollers, and plain cams. A ring pin that can turn
-    slides where its friction is lower (`slides_in_seat`): on the flank or in its seat. F v is averaged over the bores
-    of sleeves and rollers, which wear evenly; elsewhere it is that at the most worn point. `springs` and
-    `contact_loads` are the contact springs and the forces at the crank angles of a turn.
+    The keys are kinds of pair: that of the teeth, such as "pin_gear", that of their seats, such as "pin_socket",
+    "output" or "output_roller" (bore of a plain roller), and "cam" (plain cams). A ring pin that can turn slides where
+    its friction is lower (`slides_in_seat`): on the flank or in its seat. F v is averaged over the bores of sleeves and
+    rollers, which wear evenly; elsewhere it is that at the most worn point. `springs` and `contact_loads` are the
+    contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     summarize = partial(_summarize_sliding, reducer)
     slip_speeds, tooth_count = np.abs(springs.slip), springs.teeth
-    discs, directions = contact_loads.discs, springs.directions
+    disc_count, directions = contact_loads.discs, springs.directions
     force_angles = np.arctan2(directions[..., 1], directions[..., 0])
     disc_turn = springs.crank[:, np.newaxis] / design.lobes
-    teeth, tooth_speed, seat = contact_loads.teeth, slip_speeds[:, :tooth_count], design.seat_pair
-    in_seat = slides_in_seat(design, contact_loads.friction, teeth.shape)
-    slides_in_both = bool(seat) and design.has_film
+    tooth_forces, tooth_speed, seat_kind = contact_loads.teeth, slip_speeds[:, :tooth_count], design.seat_pair
+    in_seat = slides_in_seat(design, contact_loads.friction, tooth_forces.shape)
+    slides_in_both = bool(seat_kind) and design.has_film
     sliding: dict[str, Sliding] = {}
     if slides_in_both or not in_seat.any():
-        pair, on_flank = design.tooth_pair, np.where(in_seat, 0.0, teeth)
+        pair, flank_forces = design.tooth_pair, np.where(in_seat, 0.0, tooth_forces)
         phases, lengths = tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
-        sliding[pair] = summarize(pair, on_flank, tooth_speed, ring.pin_radius, phases, lengths)
+        sliding[pair] = summarize(pair, flank_forces, tooth_speed, ring.pin_radius, phases, lengths)
     if slides_in_both or in_seat.any():
-        on_seat = np.where(in_seat, teeth, 0.0)
-        radius = ring.sleeve_bore_radius if seat == "pin_sleeve" else ring.pin_radius
+        seat_forces = np.where(in_seat, tooth_forces, 0.0)
+        radius = ring.sleeve_bore_radius if seat_kind == "pin_sleeve" else ring.pin_radius
         seat_speed = tooth_speed * radius / ring.pin_radius
-        if seat == "pin_sleeve":
-            sliding[seat] = summarize(seat, on_seat, seat_speed, radius)
+        if seat_kind == "pin_sleeve":
+            sliding[seat_kind] = summarize(seat_kind, seat_forces, seat_speed, radius)
         else:
-            azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
+            azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), disc_count * ring.halves)
             angle, lengths = force_angles[:, :tooth_count] + azimuth, _circle_lengths(radius, tooth_count)
-            sliding[seat] = summarize(seat, on_seat, seat_speed, radius, angle, lengths, passes_evenly=False)
-    output_forces, pin_speed = contact_loads.output, slip_speeds[:, tooth_count:]
+            sliding[seat_kind] = summarize(
+                seat_kind, seat_forces, seat_speed, radius, angle, lengths, passes_evenly=False
+            )
+    pin_forces, pin_speed = contact_loads.output, slip_speeds[:, tooth_count:]
     if not output.rollers:
-        azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
+        azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, disc_count)
         angle = force_angles[:, tooth_count:] + disc_turn + azimuth
-        lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
-        sliding["output"] = summarize("output", output_forces, pin_speed, output.pin_radius, angle, lengths)
+        lengths = _circle_lengths(output.hole_radius, pin_forces.shape[1])
+        sliding["output"] = summarize("output", pin_forces, pin_speed, output.pin_radius, angle, lengths)
     elif not output.has_needles:
         core_speed = pin_speed * output.root_radius / output.pin_radius
-        sliding["output_roller"] = summarize("output", output_forces, core_speed, output.root_radius)
+        sliding["output_roller"] = summarize("output", pin_forces, core_speed, output.root_radius)
     if design.gear.bearing == "plain":
-        cam, radius = contact_loads.cam, design.gear.bore_radius
-        force = magnitudes(cam)
+        cam_forces, radius = contact_loads.cam, design.gear.bore_radius
+        force = magnitudes(cam_forces)
         speed = np.full_like(force, radius * relative_speed(reducer, design.drive.speed))
-        angle = np.arctan2(cam[..., 1], cam[..., 0]) + disc_turn
-        sliding["cam"] = summarize("cam", force, speed, radius, angle, _circle_lengths(radius, discs))
+        angle = np.arctan2(cam_forces[..., 1], cam_forces[..., 0]) + disc_turn
+        sliding["cam"] = summarize("cam", force, speed, radius, angle, _circle_lengths(radius, disc_count))
     return sliding
 
 
@@ -315,11 +318,11 @@ def _summarize_sliding(
 def _largest_line_power(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
     """Compute the time average of force times sliding speed per length of a surface [W/m], in its most loaded sector.
 
-    A surface has `SECTORS` equal sectors in a turn, and `lengths` (SECTORS,) [m] are the lengths of all equal surfaces
-    together in each. `power` [W] is force times sliding speed of n contacts at m crank angles, and `angle` [rad] the
-    position of each contact on its surface, both of shape (m, n). With `passes_evenly`, each contact spends equal times
-    in all sectors, because it passes through all angles at constant speed; otherwise times are counted from crank
-    angles.
+    A surface has `SECTORS` equal sectors in a turn; `lengths` (SECTORS,) [m] is the length of each sector, summed over
+    all equal surfaces, such as all holes. `power` [W] is force times sliding speed of n contacts at m crank angles, and
+    `angle` [rad] the position of each contact on its surface, both of shape (m, n). With `passes_evenly`, a contact
+    spends equal times in all sectors, and the mean power in a sector counts; otherwise its share of the crank angles is
+    the time that it spends there.
     """
     sector_mean, sector_sum = sector_means(power, angle)
     sector_power = sector_mean * power.shape[1] / SECTORS if passes_evenly else sector_sum / len(power)
@@ -331,9 +334,9 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
 
     `values` and the angles [rad] that assign them to sectors have the same shape.
     """
-    sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
-    sector_sum = np.asarray(np.bincount(sector, weights=values.ravel(), minlength=SECTORS), float)
-    return sector_sum / np.maximum(np.bincount(sector, minlength=SECTORS), 1), sector_sum
+    sector_indices = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
+    sector_sum = np.asarray(np.bincount(sector_indices, weights=values.ravel(), minlength=SECTORS), float)
+    return sector_sum / np.maximum(np.bincount(sector_indices, minlength=SECTORS), 1), sector_sum
 
 
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
@@ -353,10 +356,10 @@ def _circle_lengths(radius: float, count: int) -> Array:
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
-    """Compute the length of flank that a pin passes in each sector of its phase [m], all discs together (SECTORS,).
+    """Compute the arc length of the lobes in each sector of a pin's phase [m], summed over all lobes, (SECTORS,).
 
     The phase is the angle of a pin from the eccentric. It makes a turn, which has `SECTORS` equal sectors, while the
-    pin passes a lobe.
+    contact moves over one lobe. The sum includes all discs.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
     sector_ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes

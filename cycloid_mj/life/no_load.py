@@ -91,14 +91,16 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
         mean, low, high = 0.5 * sum(factors), *factors
         torque_per_factor = count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
         torques.append((mean * torque_per_factor, low * torque_per_factor, high * torque_per_factor))
-    preload = _preload_torque(reducer, crank_speed)
-    bearings, low, high = (preload + sum(column) for column in zip(*torques, strict=True))
-    seals = _seal_torque(reducer, crank_speed)
-    return NoLoadTorque(bearings, seals, low + seals, high + seals)
+    preload_torque = _preload_torque(reducer, crank_speed)
+    bearing_torque, low, high = (preload_torque + sum(column) for column in zip(*torques, strict=True))
+    seal_torque = _seal_torque(reducer, crank_speed)
+    return NoLoadTorque(bearing_torque, seal_torque, low + seal_torque, high + seal_torque)
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
     """Yield the inputs of Palmgren's formula of the no-load torque for each kind of bearing of the drive.
+
+    With the friction law ``film``, the cam bearings are left out, because statics includes their torque.
 
     Yields
     ------

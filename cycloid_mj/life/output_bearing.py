@@ -112,20 +112,20 @@ class CrossedRollerBearing:
 
     @property
     def rollers(self) -> tuple[float, float]:
-        """Return number [1] and length [m] of the rollers of a crossed roller bearing; the length equals the diameter.
+        """Return number of all rollers of a crossed roller bearing [1], and their length [m], which is their diameter.
 
         They follow from the spacing of the rollers and the static rating C0 = 44 Z L D cos 45 deg (ISO 76), without the
         factor of their curvature. Every second roller carries load of one direction.
         """
-        total_thickness = math.pi * self.bearing.pitch / CROSSED_ROLLERS.roller_spacing
-        length = 1e-6 * self.bearing.static / (44.0 * total_thickness * math.cos(CROSSED_ROLLERS.contact_angle))
-        return total_thickness / length, length
+        diameter_sum = math.pi * self.bearing.pitch / CROSSED_ROLLERS.roller_spacing
+        length = 1e-6 * self.bearing.static / (44.0 * diameter_sum * math.cos(CROSSED_ROLLERS.contact_angle))
+        return diameter_sum / length, length
 
     def tilting_stiffness(self) -> float:
         """Compute the tilting stiffness of a crossed roller bearing [N m/rad] at half of its moment limit.
 
-        Each roller under a force Q approaches by Palmgren's formula; half of the rollers carry, with forces in
-        proportion to the power 1/0.9 of the sine of their angle around the bearing. Rings and seats are rigid.
+        At each roller the two rings approach each other by Palmgren's formula. Half of the rollers carry, with forces
+        in proportion to the power 1/0.9 of the sine of their angle around the bearing. Rings and seats are rigid.
         """
         (count, length), cosine = self.rollers, math.cos(CROSSED_ROLLERS.contact_angle)
         radius, moment, power = 0.5 * self.bearing.pitch, 0.5 * self.moment, 1.0 / CROSSED_ROLLERS.load_exponent + 1.0
@@ -148,22 +148,28 @@ def seat_stiffness(bore: float, outside: float, width: float, modulus: float, po
     modulus, poisson
         Young's modulus [Pa] and Poisson's ratio of the plate.
     """
-    kappa, shear = (3.0 - poisson) / (1.0 + poisson), modulus / (2.0 * (1.0 + poisson))
+    kappa, shear_modulus = (3.0 - poisson) / (1.0 + poisson), modulus / (2.0 * (1.0 + poisson))
     ring_ratio = (outside**2 - bore**2) / (outside**2 + bore**2)
-    return 2.0 * math.pi * shear * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - ring_ratio / kappa)
+    return (
+        2.0 * math.pi * shear_modulus * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - ring_ratio / kappa)
+    )
 
 
 def _cover_seat_stiffness(reducer: Reducer) -> float:
-    """Compute the stiffness of each seat of the output's bearings [N/m]; infinite in a metal cover.
+    """Compute the radial stiffness of each seat of the output's bearings in its cover [N/m]; infinite in metal.
 
-    A plastic cover is assumed to be rigid from the circle of its screws outwards.
+    A plastic cover deforms between the outer ring of the bearing and the circle of its screws (`seat_stiffness`).
     """
-    drive_casing, cover = casing(reducer), reducer.design.material_of(names.HOUSING)
-    if not cover.is_plastic:
+    drive_casing, cover_material = casing(reducer), reducer.design.material_of(names.HOUSING)
+    if not cover_material.is_plastic:
         return math.inf
-    outside = 2.0 * drive_casing.screws.circle
+    screw_circle_diameter = 2.0 * drive_casing.screws.circle
     return seat_stiffness(
-        drive_casing.hub.outside, outside, drive_casing.hub.width, cover.youngs_modulus, cover.poisson
+        drive_casing.hub.outside,
+        screw_circle_diameter,
+        drive_casing.hub.width,
+        cover_material.youngs_modulus,
+        cover_material.poisson,
     )
 
 

@@ -193,10 +193,10 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
 
 
 def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute force [N] and tilting moment [N m] on a single bearing of the output's hub at m angles, (m,) each.
+    """Compute radial force [N] and tilting moment [N m] on the crossed roller bearing of the output, (m,) each.
 
-    `loading` has the solved forces at these angles. Force and moment are in equilibrium with the forces of the discs on
-    the output, and that of the shaft if it has a bearing in the hub. Raises DesignError if the covers do not fit.
+    `loading` has the solved forces at m crank angles. Force and moment are in equilibrium with the forces of the discs
+    on the output, and that of the shaft if it has a bearing in the hub. Raises DesignError if the covers do not fit.
     """
     planes, bearing_position = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
     planes_about_bearing = Planes(planes.force, planes.axial_position - bearing_position)

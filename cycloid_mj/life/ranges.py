@@ -23,10 +23,10 @@ class StressRange:
 
 
 def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
-    """Read the stress range of each part of a design, by name, from the folder or result file of ``cycloid-mj stress``.
+    """Read the stress range of each part of a design, by name, from folder or result file of ``cycloid-mj stress``.
 
     A range is the amplitude and mean over a turn of the stress at the worst node [Pa], with the load of the study [N
-    m].
+    m]. A name is that of a part in the study, such as "ring".
 
     Raises
     ------

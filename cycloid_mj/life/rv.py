@@ -62,9 +62,9 @@ class _Row:
 def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[str, float] | None = None) -> Rating:
     """Rate an RV reducer over a duty cycle for a life [h]: life and safety of bearings, cycloid and planet teeth.
 
-    The speeds of the duty are speeds of the sun. Crank and main bearings carry the larger of the forces of ideal load
-    sharing and of the static equilibrium with clearances and errors. `temperatures` of the parts [°C] determine the
-    viscosity of the oil in the bearings; by default they are those of the design.
+    The speeds of the duty are speeds of the sun. The forces on crank and main bearings are those of ideal load sharing
+    or of the static equilibrium with clearances and errors, whichever has the larger equivalent load. `temperatures` of
+    the parts [°C] determine the viscosity of the oil in the bearings; by default they are those of the design.
 
     Raises
     ------
@@ -142,12 +142,15 @@ def _main_bearing_rows(reducer: RvReducer, forces: Sequence[Array]) -> Iterator[
     bearing = reducer.main_bearing
     if bearing is None:
         return
-    by_torque = [main_bearing_forces(reducer, bearing, force) for force in forces]
-    for index, (position, text) in enumerate(MAIN_BEARINGS.items()):
-        loads = (equivalent_load(bearing, rolling.magnitudes(pair[index]))[:, np.newaxis] for pair in by_torque)
+    forces_by_torque = [main_bearing_forces(reducer, bearing, force) for force in forces]
+    for index, (position, position_text) in enumerate(MAIN_BEARINGS.items()):
+        loads = (
+            equivalent_load(bearing, rolling.magnitudes(bearing_forces[index]))[:, np.newaxis]
+            for bearing_forces in forces_by_torque
+        )
         yield _Row(
             f"output_bearing_{position}",
-            f"main bearing {text}",
+            f"main bearing {position_text}",
             MAIN_BEARING,
             output_ratings(bearing),
             tuple(loads),
@@ -179,13 +182,19 @@ def main_bearing_forces(reducer: RvReducer, bearing: StockBearing, disc_forces: 
     return planes.reactions_at(-load_centre, load_centre)
 
 
-def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> Ratings:
+def _ratings_of(stated_ratings: tuple[float, float], roller_row: RollerRow, row_text: str) -> Ratings:
     """Return the load ratings of a bearing: C and C0 of the design file [N], or where they are 0 those of its rollers.
 
     `row_text` describes the rollers.
     """
-    source = "of the design file (bearing.*_capacity_n)" if stated[0] else f"assumed: {row_text}"
-    return Ratings(stated[0] or row.dynamic, stated[1] or row.static, f"C {source}", f"C0 {source}", row.pitch)
+    source = "of the design file (bearing.*_capacity_n)" if stated_ratings[0] else f"assumed: {row_text}"
+    return Ratings(
+        stated_ratings[0] or roller_row.dynamic,
+        stated_ratings[1] or roller_row.static,
+        f"C {source}",
+        f"C0 {source}",
+        roller_row.pitch,
+    )
 
 
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
@@ -203,12 +212,12 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
 def crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
 
-    The forces follow from ideal load sharing or from the static equilibrium, whichever has the larger mean. `torque` [N
-    m] acts on the output.
+    The forces follow from ideal load sharing or from the static equilibrium, whichever has the larger equivalent load
+    over all bearings and angles (`rolling.mean_load`). `torque` [N m] acts on the output.
     """
     ideal_loads, solved_loads = ideal_rv(reducer, torque), solve_running_equilibrium(reducer, torque)
-    mean_loads = [rolling.mean_load(loads.bearings) for loads in (ideal_loads, solved_loads)]
-    return (ideal_loads if mean_loads[0] >= mean_loads[1] else solved_loads).cranks
+    equivalent_loads = [rolling.mean_load(loads.bearings) for loads in (ideal_loads, solved_loads)]
+    return (ideal_loads if equivalent_loads[0] >= equivalent_loads[1] else solved_loads).cranks
 
 
 def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
@@ -325,20 +334,20 @@ def _rate_teeth(
     yield pitting
     if reducer.design.has_film:
         contacts = [_tooth_contact(reducer, float(torque)) for torque in torques]
-        yield _rate_lubricated(reducer, pitting, contacts, pressures, weighted_speeds, speed_ratios)
+        yield _rate_lubricated_pitting(reducer, pitting, contacts, pressures, weighted_speeds, speed_ratios)
 
 
 def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
     """Return mean entrainment speed [m/s] and reduced radius [m] of the teeth, at the design's speed, under a torque.
 
-    `torque` [N m] acts on the output.
+    The means are weighted by the tooth forces. `torque` [N m] acts on the output.
     """
     loads = solve_running_equilibrium(reducer, torque)
     surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)
     return mean_speed_and_radius(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
 
 
-def _rate_lubricated(
+def _rate_lubricated_pitting(
     reducer: RvReducer,
     pitting: RatedItem,
     contacts: list[tuple[float, float]],
@@ -392,7 +401,7 @@ def _rate_planets(
     if reducer.design.has_film:
         entrainment = reducer.crank_speed * pitch_radii[1] * math.sin(planet.pressure_angle)
         contacts = [(entrainment, 1.0 / curvature)] * len(torques)
-        yield _rate_lubricated(reducer, pitting, contacts, pressures, load_rates, speed_ratios)
+        yield _rate_lubricated_pitting(reducer, pitting, contacts, pressures, load_rates, speed_ratios)
 
 
 def _rate_pitting(

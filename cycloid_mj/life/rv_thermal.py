@@ -48,8 +48,9 @@ def solve_rv_losses(
 ) -> tuple[tuple[dict[str, float], ...], Network]:
     """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
 
-    `temperatures` [°C] of the parts determine losses and conductances; `crank_angles` is the number of crank angles.
-    The network is that of the steady state: its heat capacities are 1 J/K.
+    Sources are those of `friction_powers`, such as "teeth". `temperatures` [°C] of the parts determine losses and
+    conductances; `crank_angles` is the number of crank angles. The network is that of the steady state: its heat
+    capacities are 1 J/K.
 
     Raises
     ------
@@ -65,31 +66,35 @@ def solve_rv_losses(
         for point in points
     )
     max_torque = max(abs(point.torque) for point in points)
-    heated = reducer.at_temperatures(temperatures)
-    loads = solve_running_equilibrium(heated, max_torque, crank_angles)
-    links = (*_contact_links(heated, loads), *_grease_links(reducer), *outside_links(reducer, temperatures["housing"]))
+    warm_reducer = reducer.at_temperatures(temperatures)
+    loads = solve_running_equilibrium(warm_reducer, max_torque, crank_angles)
+    links = (
+        *_contact_links(warm_reducer, loads),
+        *_grease_links(reducer),
+        *outside_links(reducer, temperatures["housing"]),
+    )
     return losses, Network(links)
 
 
 def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] of cycloid teeth and crank bearings, means over the crank angles of `loads`."""
     design, cranks = reducer.design, reducer.cranks
-    pair, steel, disc = design.tooth_pair, design.material_of("shaft"), design.material_of("gear")
-    teeth = line_contact_conductance(
+    pair, steel, disc_material = design.tooth_pair, design.material_of("shaft"), design.material_of("gear")
+    tooth_conductances = line_contact_conductance(
         loads.pins, design.line_length(pair), design.ring.pin_radius, design.partners(pair)
     )
     source = f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn"
-    yield Conductance("disc", "ring", float(teeth.sum(axis=1).mean()), source)
-    needles = _row_conductance(
+    yield Conductance("disc", "ring", float(tooth_conductances.sum(axis=1).mean()), source)
+    needle_conductance = _row_conductance(
         loads.bearings,
         cranks.needles,
         cranks.needle_radius,
         design.gear.face_width,
-        (steel, disc),
+        (steel, disc_material),
     )
-    yield Conductance("crank", "disc", needles, "needles of the cranks, a third of them loaded")
+    yield Conductance("crank", "disc", needle_conductance, "needles of the cranks, a third of them loaded")
     cup_diameter = 2.0 * cranks.taper_radius
-    tapers = _row_conductance(
+    taper_conductance = _row_conductance(
         flange_forces(reducer, loads.cranks),
         TAPERS.rollers,
         0.5 * TAPERS.diameter * cup_diameter,
@@ -97,7 +102,7 @@ def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
         (steel, steel),
     )
     source = f"tapered bearings of the cranks, {TAPERS.rollers} rollers assumed, a third of them loaded"
-    yield Conductance("crank", "output", tapers, source)
+    yield Conductance("crank", "output", taper_conductance, source)
 
 
 def _row_conductance(
@@ -115,11 +120,11 @@ def _row_conductance(
 def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] through grease, of discs to flanges and of flanges to the housing."""
     design, cranks = reducer.design, reducer.cranks
-    hole_squares = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
-    face = math.pi * (
-        min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - hole_squares
+    hole_radii_squared = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
+    face_area = math.pi * (
+        min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - hole_radii_squared
     )
-    rim = 2.0 * math.pi * reducer.flange_radius * cranks.flange_thickness
+    rim_area = 2.0 * math.pi * reducer.flange_radius * cranks.flange_thickness
     coefficient = design.thermal.grease_conductivity / design.thermal.face_gap
-    yield Conductance("disc", "output", 2.0 * coefficient * face, "grease between discs and flanges, k A/gap")
-    yield Conductance("output", "housing", 2.0 * coefficient * rim, "grease between flanges and housing, k A/gap")
+    yield Conductance("disc", "output", 2.0 * coefficient * face_area, "grease between discs and flanges, k A/gap")
+    yield Conductance("output", "housing", 2.0 * coefficient * rim_area, "grease between flanges and housing, k A/gap")

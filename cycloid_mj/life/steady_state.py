@@ -181,7 +181,7 @@ def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dic
 
 
 def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
-    """Estimate the steady temperatures [°C], by part, from the losses at 20 °C: the first round of the iteration.
+    """Estimate the steady temperatures [°C], by part, from the losses at 20 °C, without iteration.
 
     `loadings` are the solved forces at each point of a duty, at 20 °C.
     """
@@ -207,8 +207,10 @@ def estimate_rises(
 def at_steady_temperatures(reducer: Drive) -> Drive:
     """Return a reducer at its steady temperatures under the nominal torque at the design's speed.
 
-    The temperatures are those of the losses, at which no part jams. The reducer is returned unchanged with the friction
-    law ``coulomb``, or if its design sets other temperatures than 20 °C (`film_steady_state`).
+    They are the temperatures at which the losses were computed (`SteadyState.warm_temperatures`): if the parts would
+    jam in the steady state, the last temperatures of the iteration at which none jams. The reducer is returned
+    unchanged with the friction law ``coulomb``, or if its design sets other temperatures than 20 °C
+    (`film_steady_state`).
     """
     design = reducer.design
     state = film_steady_state(reducer, constant_duty(design.rated_torque, design.drive.speed))
@@ -232,26 +234,30 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     cold_losses, obstacle = point_losses, NO_AGREEMENT
     for rounds_left in range(settings.rounds, 0, -1):
         losses = mean_of_points(points, point_losses)
-        targets = {part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()}
-        if max(abs(targets[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
+        target_temperatures = {
+            part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()
+        }
+        if max(abs(target_temperatures[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
             obstacle = ""
             break
         step = 1.0
         while step >= settings.smallest_step and rounds_left > 1:
-            trial = {part: value + step * (targets[part] - value) for part, value in temperatures.items()}
-            obstacle = _find_obstacle(reducer.design, trial, settings)
+            next_temperatures = {
+                part: value + step * (target_temperatures[part] - value) for part, value in temperatures.items()
+            }
+            obstacle = _find_obstacle(reducer.design, next_temperatures, settings)
             if not obstacle:
                 try:
-                    point_losses, network = solve_losses(reducer, points, trial, settings)
+                    point_losses, network = solve_losses(reducer, points, next_temperatures, settings)
                     break
                 except CycloidError:
                     obstacle = NO_EQUILIBRIUM if reducer.design.layout == RvReducer.LAYOUT else JAM
             step *= 0.5
         else:
             break
-        temperatures, obstacle = trial, NO_AGREEMENT
+        temperatures, obstacle = next_temperatures, NO_AGREEMENT
     links = network.conductances
-    return SteadyState(targets, losses, links, obstacle, cold_losses, point_losses, temperatures, reducer)
+    return SteadyState(target_temperatures, losses, links, obstacle, cold_losses, point_losses, temperatures, reducer)
 
 
 def _find_obstacle(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> str:
@@ -282,7 +288,7 @@ def solve_losses(
     temperatures
         Temperature of each part [°C].
     settings
-        Number of crank angles.
+        Settings of the thermal computation, of which only the number of crank angles is used.
     """
     if isinstance(reducer, RvReducer):
         return solve_rv_losses(reducer, points, temperatures, settings.crank_angles)

@@ -71,16 +71,16 @@ def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
     moment = float(pin_moment(reducer, pin_forces).max())
     nominal_stress = 4.0 * moment / (math.pi * radius**3)
     shape_factor = shoulder_factor(radius, fillet, math.inf, BENDING)
-    notch = design.service.notch_factor or notch_factor(shape_factor, fillet, material.tensile_strength)
-    amplitude = 0.5 * notch * nominal_stress
+    pin_notch_factor = design.service.notch_factor or notch_factor(shape_factor, fillet, material.tensile_strength)
+    amplitude = 0.5 * pin_notch_factor * nominal_stress
     fatigue = Fatigue(
         amplitude,
         amplitude,
         _endurance_limit(reducer, material.tensile_strength, 2.0 * radius),
         material.tensile_strength,
     )
-    support = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
-    source = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
+    support_text = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
+    notch_source = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
     return RatedItem(
         "output_pin_fatigue",
         "output pin at its root, fatigue",
@@ -89,8 +89,9 @@ def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
         "MPa",
         fatigue.safety,
         None,
-        f"Goodman, pulsating bending of {support}, 4 M/(pi r^3)",
-        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {source}; {_limit_source(reducer, 'output')}",
+        f"Goodman, pulsating bending of {support_text}, 4 M/(pi r^3)",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {pin_notch_factor:.3g} {notch_source}; "
+        f"{_limit_source(reducer, 'output')}",
     )
 
 
@@ -149,16 +150,17 @@ def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float
     than the journals, the larger factors of joint and shoulder count.
     """
     design, tensile = reducer.design, reducer.design.material_of("shaft").tensile_strength
-    fillet, seat = design.shaft.shoulder_fillet, seat_factors(design, tensile)
-    if seat and not has_cam_shoulders(design):
-        return seat, f"seat of a {SEATS[design.cam_joint].description}"
+    fillet, joint_factors = design.shaft.shoulder_fillet, seat_factors(design, tensile)
+    if joint_factors and not has_cam_shoulders(design):
+        return joint_factors, f"seat of a {SEATS[design.cam_joint].description}"
     bending, torsion = (
         notch_factor(shoulder_factor(design.shaft.radius, fillet, shoulder.outer, shape_terms), fillet, tensile, stress)
         for shape_terms, stress in SHOULDER_STRESSES
     )
     notch_text = f"fillet of {1e3 * fillet:.3g} mm"
-    if seat:
-        return (max(bending, seat[0]), max(torsion, seat[1])), f"{notch_text} at splines larger than the journals"
+    if joint_factors:
+        largest_factors = max(bending, joint_factors[0]), max(torsion, joint_factors[1])
+        return largest_factors, f"{notch_text} at splines larger than the journals"
     return (bending, torsion), notch_text
 
 

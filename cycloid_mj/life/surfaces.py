@@ -112,21 +112,21 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
     largest Hertz pressure over the duty [Pa], which is only reported.
     """
     allowed_pressure, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    damage, least_damage, hourly_loads, pin_cycles = 0.0, 0.0, 0.0, 0.0
+    damage, least_damage, total_loads_per_hour, pin_loads_per_hour = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
-        loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
-        hourly_loads += loads
-        pin_cycles += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
-        damage += loads / pitting_cycles(loading.pressures[kind], allowed_pressure)
-        least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed_pressure)
+        loads_per_hour = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
+        total_loads_per_hour += loads_per_hour
+        pin_loads_per_hour += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
+        damage += loads_per_hour / pitting_cycles(loading.pressures[kind], allowed_pressure)
+        least_damage += loads_per_hour / upper_pitting_cycles(loading.pressures[kind], allowed_pressure)
     life = 1.0 / damage
     note = (
-        f"{hourly_loads:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), "
-        f"{pin_cycles:.0f} on each tooth of the ring; {source}"
+        f"{total_loads_per_hour:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), "
+        f"{pin_loads_per_hour:.0f} on each tooth of the ring; {source}"
     )
     if damage > least_damage:
         note += f"; {format_number(1.0 / least_damage)} h by the upper branch of Z_N above 10^7 loads (general use)"
-    if life * hourly_loads < AGMA_2001.min_cycles:
+    if life * total_loads_per_hour < AGMA_2001.min_cycles:
         note += "; outside of AGMA's curve, which begins at 10^4 loads: the life is extrapolated"
     return RatedItem(
         f"{kind}_pitting",
@@ -159,19 +159,20 @@ def rate_lubricated_pitting(
     for point_factors, pressure, load_rate in zip(factors, pressures, load_rates, strict=True):
         cycles = lubricated_cycles(pitting_cycles(pressure, allowed_pressure), point_factors.product, AGMA_2001.power)
         damage += _turns_per_hour(load_rate) / cycles
-    smallest = min(factors, key=lambda point_factors: point_factors.product)
+    smallest_factors = min(factors, key=lambda point_factors: point_factors.product)
     return RatedItem(
         f"{pitting.key}_lubricated",
         f"{pitting.name} with the lubricant",
         pitting.value,
-        smallest.product * pitting.limit,
+        smallest_factors.product * pitting.limit,
         "MPa",
         None,
         1.0 / damage,
         "Z_L Z_v Z_R, ISO 6336-2:2006; Z_N and S_c as without lubricant, AGMA 2001-D04; Miner",
-        f"Z_L {smallest.lubricant:.3g} ({smallest.viscosity_40:.3g} mm2/s at 40 °C), Z_v {smallest.speed:.3g} (v "
-        f"{smallest.pitch_speed:.3g} m/s, same entrainment), Z_R {smallest.roughness:.3g} (Rz10 "
-        f"{smallest.mean_roughness:.3g} um); the factors are for involute gears, and 1 up to 10^5 loads",
+        f"Z_L {smallest_factors.lubricant:.3g} ({smallest_factors.viscosity_40:.3g} mm2/s at 40 °C), Z_v "
+        f"{smallest_factors.speed:.3g} (v {smallest_factors.pitch_speed:.3g} m/s, same entrainment), Z_R "
+        f"{smallest_factors.roughness:.3g} (Rz10 {smallest_factors.mean_roughness:.3g} um); the "
+        "factors are for involute gears, and 1 up to 10^5 loads",
     )
 
 

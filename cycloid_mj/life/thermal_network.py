@@ -95,7 +95,7 @@ class Conductance:
 
 
 def line_contact_conductance(force: Array, length: float, radius: float, partners: Sequence[Material]) -> Array:
-    """Compute the heat conductance of Hertzian line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
+    """Compute the heat conductance of Hertzian line contacts [W/K], in the shape of `force` [N]; 0 without force.
 
     Each side is a cylinder with the `radius` R [m] and the conductivity k that is heated over the contact's width 2 b:
     pi k L/ln(4 R/b). Both sides are in series. `length` [m] is the length L of the line, `partners` are both materials.
@@ -200,16 +200,16 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
     }
     for pair, (forces, radius) in line_contacts.items():
         length, partners = design.line_length(pair), design.partners(pair)
-        value = line_contact_conductance(forces, length, radius, partners).sum(axis=1).mean()
+        conductance = line_contact_conductance(forces, length, radius, partners).sum(axis=1).mean()
         first_node, second_node = (BODY_OF[part] for part in PARTNERS[pair])
         yield Conductance(
-            first_node, second_node, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn"
+            first_node, second_node, float(conductance), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn"
         )
     force = float(np.linalg.norm(contact_loads.cam, axis=-1).mean())
     if design.gear.bearing == "plain":
         bore_area = 2.0 * math.pi * design.gear.bore_radius * design.gear.face_width * design.gear.discs
-        value = design.thermal.grease_conductivity * bore_area / design.clearance.cam
-        yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
+        conductance = design.thermal.grease_conductivity * bore_area / design.clearance.cam
+        yield Conductance("crank", "disc", conductance, "lubricant in the gap of the plain cam, k A/clearance")
         return
     rollers = design.contact.cam_rollers
     cam_conductance = roller_conductance(
@@ -243,12 +243,12 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
         width = casing(reducer).hub.width if bearing.key.startswith("output") else bearing_end - bearing_start
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
         roller_radius = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
-        value = roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
+        conductance = roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
         first_node, second_node = (NODE_OF_BODY[body] for body in bearing.joins)
         yield Conductance(
             first_node,
             second_node,
-            value,
+            conductance,
             f"{bearing.name}: {ASSUMED_ROLLERS.shaft_rollers} rollers assumed, a third of them loaded",
         )
 
@@ -258,9 +258,9 @@ def _face_links(design: Design) -> Iterator[Conductance]:
     root_radius = design.ring.pin_circle_radius - design.ring.pin_radius
     hole_radii_squared = design.output.pins * design.output.hole_radius**2
     area = math.pi * (root_radius**2 - design.gear.bore_radius**2 - hole_radii_squared)
-    value = design.thermal.grease_conductivity * area / design.thermal.face_gap
+    conductance = design.thermal.grease_conductivity * area / design.thermal.face_gap
     for node in ("housing", "output"):
-        yield Conductance("disc", node, value, "grease on a face of the discs, k A/gap")
+        yield Conductance("disc", node, conductance, "grease on a face of the discs, k A/gap")
 
 
 def outside_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
