@@ -252,7 +252,8 @@ Values = Sequence[tuple[DesignValue, float | None]]
 def load_design(name_or_file: str, changes: Sequence[str], values: Values, temperature: float | None = None) -> Design:
     """Return the design of a command line: a file or preset, changed by ``--set``, then by other flags.
 
-    A preload that is stated as a torque is converted to an angle by statics.
+    A preload that is stated as a torque is converted to an angle by statics. A warning is issued if the temperatures
+    are outside the range of the lubricant.
 
     Parameters
     ----------
@@ -280,6 +281,10 @@ def load_design(name_or_file: str, changes: Sequence[str], values: Values, tempe
     except DesignError as error:
         raise UsageError(error.message, error.details) from error
     design = override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
+    if design.has_film:
+        from cycloid_mj.design.lubricants import lubricant_warnings
+
+        warn(design.name, lubricant_warnings(design))
     if not design.ring.preload_torque:
         return design
     from cycloid_mj.statics.preload import preloaded

@@ -6,15 +6,18 @@ coefficient Gold et al. (2001): alpha = s nu^t.
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import FREEZING_POINT
+
+if TYPE_CHECKING:
+    from cycloid_mj.design.model import Design
 
 TABLE = Path(__file__).with_suffix(".toml")
 
@@ -53,6 +56,9 @@ class Lubricant:
         Origin of the viscosities.
     thickener, nlgi
         Thickener and consistency of a grease; empty for an oil.
+    coldest
+        Lowest temperature in service [°C]: that of usual multi-purpose greases (DIN 51825, K2K-20), unless the table
+        states another. The largest is ``service.grease_temperature_c``.
     """
 
     name: str
@@ -66,6 +72,7 @@ class Lubricant:
     source: str
     thickener: str = ""
     nlgi: str = ""
+    coldest: float = -20.0
 
     def kinematic_viscosity(self, temperature: float) -> float:
         """Compute the kinematic viscosity [mm2/s] at a temperature [°C] by Walther's equation."""
@@ -98,6 +105,39 @@ def walther(viscosity_40: float, viscosity_100: float, temperature: float) -> fl
     kelvin = [math.log10(FREEZING_POINT + each) for each in (40.0, 100.0, temperature)]
     slope = (double_log_40 - double_log_100) / (kelvin[1] - kelvin[0])
     return float(10.0 ** (10.0 ** (double_log_40 - slope * (kelvin[2] - kelvin[0])))) - 0.7
+
+
+def lubricant_warnings(design: "Design") -> Iterator[str]:
+    """Yield a warning if the temperatures of a design are outside the range of the lubricant of its film friction.
+
+    The temperatures are those of parts in contact, if the design sets them, and that of the air, at which a drive
+    starts. Without film friction, or with sizes of warm parts as in a log, nothing is yielded.
+    """
+    if not design.has_film or design.thermal.applied:
+        return
+    oil, hottest = lubricant(design.friction.lubricant), design.service.grease_temperature
+    parts = ("disc", "ring", "crank", "output") if design.thermal.words else ()
+    temperatures = {part: getattr(design.thermal, part) for part in parts} | {"air": design.service.ambient_temperature}
+    outside = {body: value for body, value in temperatures.items() if not oil.coldest <= value <= hottest}
+    if not outside:
+        return
+    bodies = ", ".join(f"{body} {value:g} °C" for body, value in outside.items())
+    effect, remedy = (
+        (
+            "does not flow",
+            "choose another friction.lubricant, such as low-temperature grease 18 (to -50 °C), or higher temperatures",
+        )
+        if min(outside.values()) < oil.coldest
+        else (
+            "decomposes",
+            "choose lower temperatures, or set service.grease_temperature_c to the limit of your lubricant",
+        )
+    )
+    yield (
+        f"temperatures outside the range of {oil.name}, {oil.coldest:g} to {hottest:g} °C: {bodies}. The lubricant "
+        f"{effect} there, and its viscosity is extrapolated: friction and losses are not valid. Remedy: {remedy} "
+        "(--at-c, [thermal], service.ambient_temperature_c)"
+    )
 
 
 @cache

@@ -858,6 +858,10 @@ class Bearing(Section):
     )
 
 
+MIN_FILM_COEFFICIENT = 1.0
+"""Smallest heat transfer coefficient of a housing [W/(m2 K)]: 0.026 W/(m K) of still air over 26 mm, an insulation."""
+
+
 class Service(Section):
     """Required life, and conditions of fatigue, wear and heat other than the loads."""
 
@@ -891,7 +895,7 @@ class Service(Section):
     ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
     film_coefficient: float = quantity(
         12.0,
-        "heat transfer coefficient to still air; 0: convection and radiation by ISO/TR 14179-2",
+        "heat transfer coefficient to still air, at least 1; 0: convection and radiation by ISO/TR 14179-2",
         u.FILM,
         ge=0.0,
         le=1e4,
@@ -902,6 +906,18 @@ class Service(Section):
     seal_temperature: float = quantity(
         100.0, "maximum temperature of the seals; 500: no limit", u.CELSIUS, ge=0.0, le=500.0
     )
+
+    @field_validator("film_coefficient")
+    @classmethod
+    def _refuse_insulation(cls, coefficient: float) -> float:
+        """Return a heat transfer coefficient [W/(m2 K)]; raise ValueError between 0 and that of insulation."""
+        if 0.0 < coefficient < MIN_FILM_COEFFICIENT:
+            raise ValueError(
+                f"it must be 0 (convection and radiation by ISO/TR 14179-2) or from {MIN_FILM_COEFFICIENT:g} to 10000 "
+                f"W/(m2 K): housings in still air have 8 to 15, and {MIN_FILM_COEFFICIENT:g} is that of a layer of 26 "
+                "mm of insulation. Temperatures at smaller values have no meaning"
+            )
+        return coefficient
 
 
 def _temperature(part: str) -> float:

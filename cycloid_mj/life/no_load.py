@@ -46,7 +46,7 @@ def grease_of(design: Design) -> Grease:
     if not design.has_film:
         return GREASE
     oil = lubricant(design.friction.lubricant)
-    return Grease(f"{oil.name} (friction.lubricant)", oil.viscosity_40, oil.viscosity_100)
+    return Grease(f"{oil.name} (friction.lubricant)", oil.viscosity_40, oil.viscosity_100, oil.coldest)
 
 
 BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0), "tapered": (3.0, 6.0), "crossed roller": (3.0, 6.0)}

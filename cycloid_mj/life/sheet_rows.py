@@ -20,7 +20,7 @@ from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
-from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
+from cycloid_mj.life.no_load import GREASE, NoLoadTorque, grease_of, no_load_torque
 from cycloid_mj.life.steady_state import solve_steady_state
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_limits import find_rise_limit
@@ -254,7 +254,7 @@ def grease_rows(design: Design) -> Iterator[Quantity]:
     """Yield the rows of the viscosity of the grease [mm2/s] and of the lowest ambient temperature [°C]."""
     grease = grease_of(design)
     yield Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name)
-    note = "assumed: the grease (K2K-20)"
+    note = "assumed: the grease (K2K-20)" if grease.coldest == GREASE.coldest else f"assumed: {grease.name}"
     yield Quantity("ambient_min", "Ambient temperature, from", grease.coldest, "°C", note=note)
 
 

@@ -30,6 +30,15 @@ def test_results_name_the_temperature_of_the_parts(capsys: pytest.CaptureFixture
     assert "60 °C" in json.loads(output(capsys, f"{command} --at-c 60", "film"))["condition"]
 
 
+@pytest.mark.parametrize("command", ["statics pin", "rate pin --load-nm 2", "thermal pin --load-nm 2"])
+def test_commands_warn_of_temperatures_outside_the_range_of_the_lubricant(
+    capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    assert main([*command.split(), "--set", "friction.law=film", "--at-c", "-25"]) == 0
+    err = " ".join(capsys.readouterr().err.split())
+    assert err.count("temperatures outside the range of lithium grease 100, -20 to 100 °C: disc -25 °C") == 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "command",

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design.lubricants import lubricant, lubricants, plastic_pairs, walther
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design.lubricants import lubricant, lubricant_warnings, lubricants, plastic_pairs, walther
 
 GRADES = (32, 46, 68, 100, 150, 220, 320, 460)
 
@@ -65,3 +66,22 @@ def test_grease_lowers_the_friction_of_plastics() -> None:
         assert pair.greased[0] < pair.greased[1] < pair.dry[1]
         assert pair.dry[0] < pair.dry[1]
         assert 1e4 < pair.pv_limit < 1e6
+
+
+def test_temperatures_outside_the_range_of_the_lubricant_are_warned_of() -> None:
+    """At -60 °C, statics printed an efficiency of 0.9 % without a warning."""
+    film = override(PRESETS["pin"], ["friction.law=film"])
+    assert list(lubricant_warnings(film)) == []
+    assert list(lubricant_warnings(override(film, ["thermal.disc_c=100", "thermal.ring_c=-20"]))) == []
+    (cold,) = lubricant_warnings(override(film, ["thermal.disc_c=-60", "thermal.ring_c=-21"]))
+    assert "outside the range of lithium grease 100, -20 to 100 °C: disc -60 °C, ring -21 °C." in cold
+    assert "choose another friction.lubricant, such as low-temperature grease 18 (to -50 °C)" in cold
+    (hot,) = lubricant_warnings(override(film, ["thermal.crank_c=101"]))
+    assert "crank 101 °C" in hot
+    assert "set service.grease_temperature_c to the limit of your lubricant" in hot
+    (air,) = lubricant_warnings(override(film, ["service.ambient_temperature_c=-40"]))
+    assert ": air -40 °C." in air
+    grease = ["service.ambient_temperature_c=-40", 'friction.lubricant="low-temperature grease 18"']
+    assert list(lubricant_warnings(override(film, grease))) == []
+    assert list(lubricant_warnings(override(PRESETS["pin"], ["thermal.disc_c=-60"]))) == [], "no film"
+    assert list(lubricant_warnings(override(film, ["thermal.disc_c=-60", "thermal.applied=true"]))) == [], "a log"

@@ -237,6 +237,26 @@ def test_wrong_loads_are_usage_errors() -> None:
         assert f"{flag}{words}" in err
 
 
+@pytest.mark.parametrize("value", ["1e-9", "0.99"])
+def test_less_than_the_heat_transfer_of_an_insulation_is_refused(value: str) -> None:
+    """1e-9 W/(m2 K) led to temperatures of -4e8 °C."""
+    code, _, err = told("thermal", "pin", "--set", f"service.film_coefficient_w_m2_k={value}")
+    assert code == 2
+    assert f"service.film_coefficient_w_m2_k = {float(value)!r} is not allowed" in err
+    assert "must be 0 (convection and radiation by ISO/TR 14179-2) or from 1 to 10000 W/(m2 K)" in " ".join(err.split())
+    for allowed in (0, 1):
+        assert override(PRESETS["pin"], [f"service.film_coefficient_w_m2_k={allowed}"])
+
+
+def test_the_jam_difference_of_the_issue_has_another_thermal_expansion() -> None:
+    """By hand, 4.5 K (`pin`) and 2.3 K (`nonpin`) with 11.5e-6/K; the material of Hsieh 2014 has 13e-6/K."""
+    for name, play, hand in (("pin", 2e-6, 4.5), ("nonpin", 1e-6, 2.3)):
+        design = override(PRESETS[name], ["gear_material.expansion_um_m_k=11.5"])
+        assert jam_difference(design) == pytest.approx(play / (11.5e-6 * 38.5e-3), rel=1e-9)
+        assert jam_difference(design) == pytest.approx(hand, abs=0.05)
+        assert jam_difference(PRESETS[name]) == pytest.approx(play / (13e-6 * 38.5e-3), rel=1e-9)
+
+
 def test_materials_of_the_library_have_a_kind() -> None:
     """The jam difference follows the material of the disc: aluminium closes the teeth at a smaller difference."""
     steel = PRESETS["pin"]
