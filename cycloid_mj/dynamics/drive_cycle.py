@@ -79,7 +79,7 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 
 
 def braked_output(model: Held, reducer: Reducer, torque: Signal) -> DriveCycle:
-    """Return a drive cycle with a torque on the crank, and the constant output speed of the design's crank speed.
+    """Return a drive cycle with a torque on the crank, and the constant output speed at the design's crank speed.
 
     The servo of the `model` must be on the output: ``build(design, held="output")``. The crank starts at angle 0 and at
     full speed; `torque` is a function of the times (n,) [s], with values [N m].
@@ -102,11 +102,11 @@ def initial_state(model: ReducerModel, reducer: Reducer, cycle: DriveCycle | Non
     """
     cycle = cycle or ramp_and_hold(model, reducer)
     data = mujoco.MjData(model.model)
-    position, velocity = joint_state(reducer, cycle.angle, cycle.speed)
-    for joint, value in position.items():
-        data.joint(joint).qpos[0] = value
-    for joint, value in velocity.items():
-        data.joint(joint).qvel[0] = value
+    position_by_joint, velocity_by_joint = joint_state(reducer, cycle.angle, cycle.speed)
+    for joint, position in position_by_joint.items():
+        data.joint(joint).qpos[0] = position
+    for joint, velocity in velocity_by_joint.items():
+        data.joint(joint).qvel[0] = velocity
     return data
 
 

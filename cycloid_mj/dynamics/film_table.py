@@ -116,9 +116,9 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 def film_table(reducer: Reducer) -> Array:
     """Compute the friction coefficients [1] of lubricated contacts (law ``film``), shape (4, phases, forces).
 
-    The rows are the kinds of pairs: teeth, seats of ring pins, cams and output pins. `TABLE` has the phases of the pins
-    [rad] and the normal forces [N] of the other axes. With massless pins, the row of the teeth has the smaller of the
-    coefficients of flank and seat. With the law ``coulomb``, the result is the empty `NO_TABLE`.
+    The rows are the kinds of pairs: teeth, seats of ring pins, cams and output pins. `TABLE` has the numbers of phases
+    of the pins, from 0 to pi, and of normal forces [N] on the other axes. With massless pins, the row of the teeth has
+    the smaller of the coefficients of flank and seat. With the law ``coulomb``, the result is the empty `NO_TABLE`.
     """
     if not reducer.design.has_film:
         return NO_TABLE
@@ -126,23 +126,27 @@ def film_table(reducer: Reducer) -> Array:
     # at the crank angle B the first pin, on +y, has the phase B
     curvature = arc_contacts(reducer.tooth_profile, phases[:, np.newaxis]).relative_curvature[:, 0]
     film = build_film_surfaces(reducer, phases, curvature)
-    force = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
-    tooth_force = force[:, np.newaxis]
+    forces = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
+    tooth_forces = forces[:, np.newaxis]
     is_massless = not reducer.design.ring.has_pin_bodies
-    teeth = (film.smaller_friction(tooth_force)[0] if is_massless else film.flank_friction(tooth_force)).coefficient
-    seat = film.seat_friction(tooth_force)
-    values = np.zeros((4, _PHASES, _FORCES))
-    values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T
-    if seat is not None:
-        values[SEAT] = seat.coefficient.T / film.seat_scale
+    tooth_coefficients = (
+        film.smaller_friction(tooth_forces)[0] if is_massless else film.flank_friction(tooth_forces)
+    ).coefficient
+    seat_friction = film.seat_friction(tooth_forces)
+    coefficients = np.zeros((4, _PHASES, _FORCES))
+    coefficients[TEETH] = np.broadcast_to(tooth_coefficients, (_FORCES, _PHASES)).T
+    if seat_friction is not None:
+        coefficients[SEAT] = seat_friction.coefficient.T / film.seat_scale
     if isinstance(reducer, RvReducer):
-        values[CAM] = sum(bearing_friction(reducer)) / reducer.cranks.eccentric_radius
-        values[OUTPUT] = planet_friction(reducer, force)
-        return values
-    values[CAM] = film.cam_friction(force)
-    output = film.output_friction(force)
-    values[OUTPUT] = reducer.design.friction_of("output") if output is None else output.coefficient
-    return values
+        coefficients[CAM] = sum(bearing_friction(reducer)) / reducer.cranks.eccentric_radius
+        coefficients[OUTPUT] = planet_friction(reducer, forces)
+        return coefficients
+    coefficients[CAM] = film.cam_friction(forces)
+    output_friction = film.output_friction(forces)
+    coefficients[OUTPUT] = (
+        reducer.design.friction_of("output") if output_friction is None else output_friction.coefficient
+    )
+    return coefficients
 
 
 @compiling.njit(inner=True)

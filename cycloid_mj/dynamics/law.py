@@ -162,10 +162,10 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
 
     On an orbiting disc, MuJoCo's friction follows the sliding velocity plus a term of its acceleration, which is
     perpendicular to it. `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances.
-    The kinds in the result are teeth, cams (crank bearings of an RV reducer) and seats of moving pins; kinds without
-    friction are omitted. Discs orbit at the eccentricity c with the angular speed w: teeth and seats slide at c w and
-    accelerate by c w^2, a cam of radius r slides at r w. The tangent is impratio w m/creep, with added mass m and creep
-    of the law; on the cam, it is multiplied by c/r.
+    The kinds in the result are teeth, such as ``pin_gear``, cams (crank bearings of an RV reducer) and seats of moving
+    pins; kinds without friction are omitted. Discs orbit at the eccentricity c with the angular speed w: teeth and
+    seats slide at c w and accelerate by c w^2, a cam of radius r slides at r w. The tangent is impratio w m/creep, with
+    added mass m and creep of the law; on the cam, it is multiplied by c/r.
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)
@@ -184,7 +184,8 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParamete
 
     There the convex friction cone lifts sliding contacts, which a large ratio reduces. `laws` are the contact laws of
     each disc by kind of pair. The result is the largest value up to `FRICTION.impratio` with which the angle by which
-    friction is ahead of the sliding velocity (`friction_leads`) is within its limits.
+    friction is ahead of the sliding velocity (`friction_leads`) has at most the tangent `FRICTION.max_lead`, or
+    `FRICTION.max_pin_lead` at seats.
     """
     max_ratios = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead

@@ -40,10 +40,10 @@ def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
     """
     design = reducer.design
     if design.ring.has_massless_pins:
-        pins = {massless_kind: real_kind for real_kind, massless_kind in MASSLESS.items()}[design.ring.pins]
+        moving_pins = {massless_kind: real_kind for real_kind, massless_kind in MASSLESS.items()}[design.ring.pins]
         raise DesignError(
             f'{design.name}: ring.pins = "{design.ring.pins}" neglects the inertia of the pins, so it is valid only '
-            f'for averages over a crank turn under load, not for {unsupported}. Set ring.pins = "{pins}"'
+            f'for averages over a crank turn under load, not for {unsupported}. Set ring.pins = "{moving_pins}"'
         )
 
 

@@ -369,21 +369,24 @@ def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
 def _unused_friction_warnings(reducer: Reducer) -> Iterator[str]:
     """Yield a warning for each coefficient of sliding friction that has no effect because its pair has rollers."""
     design = reducer.design
-    rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
-    rolling |= {"output": ("output.rollers = false", design.output.has_needles)}
-    for kind, (remedy, has_rollers) in rolling.items():
-        value = getattr(design.friction, kind)
-        if has_rollers and value not in (0.0, getattr(Friction(), kind)):
-            yield (f"friction.{kind} = {value:g} has no effect with rollers: set friction.{kind}_rolling, or {remedy}")
+    remedy_by_kind = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
+    remedy_by_kind |= {"output": ("output.rollers = false", design.output.has_needles)}
+    for kind, (remedy, has_rollers) in remedy_by_kind.items():
+        coefficient = getattr(design.friction, kind)
+        if has_rollers and coefficient not in (0.0, getattr(Friction(), kind)):
+            yield (
+                f"friction.{kind} = {coefficient:g} has no effect with rollers: set friction.{kind}_rolling, or "
+                f"{remedy}"
+            )
 
 
-def _below(number: float) -> str:
+def _below(limit: float) -> str:
     """Return the next lower 1, 2 or 5 times a power of ten, so that a remedy is clear of the limit."""
-    ten = 10.0 ** math.floor(math.log10(number))
-    return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < number / ten) * ten:g}"
+    power_of_ten = 10.0 ** math.floor(math.log10(limit))
+    return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < limit / power_of_ten) * power_of_ten:g}"
 
 
-def _above(number: float) -> str:
+def _above(limit: float) -> str:
     """Return the next higher 1, 2 or 5 times a power of ten."""
-    ten = 10.0 ** math.floor(math.log10(number))
-    return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > number / ten) * ten:g}"
+    power_of_ten = 10.0 ** math.floor(math.log10(limit))
+    return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > limit / power_of_ten) * power_of_ten:g}"

@@ -137,7 +137,7 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
 
 
 def log_columns(model: Model, reducer: Reducer) -> Groups:
-    """Return the unit of each column of the log of a `model`: topic -> name of the column -> unit."""
+    """Return the unit of each column of a log: topic (``/reducer``) -> column (``crank_angle``) -> unit (``rad``)."""
     kinds = sorted(model.laws)
     groups = {topic: dict(columns) for topic, columns in sensors(reducer).items()}
     groups[names.REDUCER] |= {
@@ -252,7 +252,7 @@ def simulate(
     reducer = reducer_of(resolve(design))
     compiled = compiled or build(reducer.design)
     groups = log_columns(compiled, reducer)
-    samples, finished_blocks = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
+    sample_count, finished_blocks = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
     late_texts: tuple[str, ...] = ()
 
     def collect_blocks() -> Iterator[SampleBlock]:
@@ -261,7 +261,7 @@ def simulate(
 
     for block in collect_blocks():
         finished_blocks.append(block)
-        progress(sum(len(finished.time) for finished in finished_blocks), samples)
+        progress(sum(len(finished.time) for finished in finished_blocks), sample_count)
     return Run(
         time=own(np.concatenate([block.time for block in finished_blocks])),
         columns=_join_columns(groups, finished_blocks),
@@ -273,11 +273,11 @@ def simulate(
     )
 
 
-def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array]:
+def _join_columns(groups: Groups, sample_blocks: Sequence[SampleBlock]) -> dict[str, Array]:
     """Join the blocks of a run to one read-only array (n,) for each column, by its name."""
     columns: dict[str, Array] = {}
     for topic, column_names in groups.items():
-        tables = [block.values[topic] for block in run]
+        tables = [block.values[topic] for block in sample_blocks]
         columns |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(column_names)}
     return columns
 
@@ -285,7 +285,7 @@ def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array
 def provenance(
     reducer: Reducer, contact: Contact = "profile", seconds: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
-    """Return the assumptions of a run as texts, by the keys of the metadata of its log.
+    """Return the assumptions of a run as texts, by the keys of its log's metadata, such as ``timestep_s``.
 
     They are design, solver, contact, time step with its reason and accuracy, files of measured parts if any, working
     forces, and versions of the packages. Contacts have their secant stiffness at the working force. `seconds` is the
@@ -293,16 +293,18 @@ def provenance(
     """
     stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]
-    step = step_rule.choose(stiffened_reducer)
-    seconds = seconds or step.seconds
+    chosen_step = step_rule.choose(stiffened_reducer)
+    seconds = seconds or chosen_step.seconds
     return {
         "design": reducer.design.name,
         "solver": solver,
         "contact": contact,
         "timestep_s": repr(seconds),
-        "timestep": str(step if step.seconds == seconds else TimeStep(seconds, "of the model")),
+        "timestep": str(chosen_step if chosen_step.seconds == seconds else TimeStep(seconds, "of the model")),
         "timestep_for": describe_accuracy(
-            stiffened_reducer if step.seconds == seconds else stiffened_reducer.but(settings={"timestep": seconds}),
+            stiffened_reducer
+            if chosen_step.seconds == seconds
+            else stiffened_reducer.but(settings={"timestep": seconds}),
             step_rule.accuracy,
         ),
         **({"measured": "; ".join(measurement_notes(reducer.design))} if not reducer.design.measured.is_empty else {}),
@@ -513,7 +515,7 @@ class _Recorder:
         sensor_names = list(chain.from_iterable(groups.values()))
         self.steps, self._warning = stepping.steps, stepping.warning
         self.unconverged_count = 0
-        self._sensor_count, self._first_pin = len(sensor_names), len(groups[names.REDUCER])
+        self._sensor_count, self._first_pin_column = len(sensor_names), len(groups[names.REDUCER])
         self._has_pins = names.PINS in groups
         self._pairs_of_kind = [
             np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)
@@ -525,14 +527,17 @@ class _Recorder:
         mesh_period = 2.0 * math.pi / (design.ring.teeth * orbit_speed) if orbit_speed else math.inf
         mesh_samples = min(mesh_period / (plan.stride * plan.timestep), plan.samples)
         self._friction_history = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
-        self._gears = [sensor_names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
+        self._gear_columns = [sensor_names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
         first_disc = names.gears(design.gear.discs)[0]
-        self._pose = [sensor_names.index(name) for name in names.planar_joints(first_disc)]
-        self._speeds = [sensor_names.index(name) for name in names.planar_speeds(first_disc)]
-        self._input, self._output = sensor_names.index(f"{reducer.INPUT}_angle"), sensor_names.index("output_angle")
-        bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
-        self._free_pins = np.array(
-            [[sensor_names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int
+        self._pose_columns = [sensor_names.index(name) for name in names.planar_joints(first_disc)]
+        self._speed_columns = [sensor_names.index(name) for name in names.planar_speeds(first_disc)]
+        self._input_column, self._output_column = (
+            sensor_names.index(f"{reducer.INPUT}_angle"),
+            sensor_names.index("output_angle"),
+        )
+        socket_pins = reducer.mechanism.pins if design.ring.has_sockets else ()
+        self._free_pin_columns = np.array(
+            [[sensor_names.index(joint) for joint in pin.joints[:2]] for pin in socket_pins], dtype=int
         )
 
     def advance(self, samples: int) -> tuple[Array, str]:
@@ -556,7 +561,7 @@ class _Recorder:
         )
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Convert rows of samples to the tables of the log by topic, each of shape (samples, columns).
+        """Convert rows of samples to the tables of the log by topic (``/reducer``), each of shape (samples, columns).
 
         `log_columns` lists the columns of each topic with their units. Powers are summed over the pairs of each kind,
         and the motion of q, the logged point of the disc, is computed from that of the first disc.
@@ -564,27 +569,30 @@ class _Recorder:
         sensor_values, solver_values, drag_losses = (
             rows[:, columns] for columns in (self.steps.copied, self.steps.solver, self.steps.drags)
         )
-        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
+        pair_values = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
-            [pairs[:, is_of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for is_of_kind in self._pairs_of_kind],
+            [
+                pair_values[:, is_of_kind, sample_layout.FRICTION_POWER :].sum(axis=1)
+                for is_of_kind in self._pairs_of_kind
+            ],
             axis=1,
         )
         energies = sensor_values[:, self._sensor_count :]
-        pin_motion = point_motion(
-            (0.0, self._reducer.lever), sensor_values[:, self._pose], sensor_values[:, self._speeds]
+        motion_of_q = point_motion(
+            (0.0, self._reducer.lever), sensor_values[:, self._pose_columns], sensor_values[:, self._speed_columns]
         )
         tables_of_reducer = [
-            sensor_values[:, : self._first_pin],
+            sensor_values[:, : self._first_pin_column],
             solver_values[:, : sample_layout.ITERATIONS + 1],
             energies,
             powers.reshape(len(rows), -1),
             drag_losses,
-            *pin_motion,
+            *motion_of_q,
         ]
         tables = {names.REDUCER: np.concatenate(tables_of_reducer, axis=1)}
         if self._has_pins:
-            tables[names.PINS] = sensor_values[:, self._first_pin : self._sensor_count]
-        return tables | {names.FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
+            tables[names.PINS] = sensor_values[:, self._first_pin_column : self._sensor_count]
+        return tables | {names.FORCES: pair_values[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _sample_checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield for each check of a run a mask (n,) of the n samples that fail it, and a function for its message.
@@ -600,9 +608,9 @@ class _Recorder:
         yield ~is_finite, lambda sample: divergence
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
-        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
-        friction_power = pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1)
-        normal_power = pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1)
+        pair_values = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
+        friction_power = pair_values[:, :, sample_layout.FRICTION_POWER].sum(axis=1)
+        normal_power = pair_values[:, :, sample_layout.NORMAL_POWER].sum(axis=1)
         mean_friction = moving_means(friction_power, self._friction_history)
         self._friction_history = np.concatenate([self._friction_history, friction_power])[len(friction_power) :]
         yield mean_friction > self._jamming_power, partial(self._describe_jam, "friction dissipates", mean_friction)
@@ -626,8 +634,8 @@ class _Recorder:
                 "reduce settings.timestep_us"
             ),
         )
-        if len(self._free_pins):
-            pin_distance = np.linalg.norm(sensor_values[:, self._free_pins], axis=2)
+        if len(self._free_pin_columns):
+            pin_distance = np.linalg.norm(sensor_values[:, self._free_pin_columns], axis=2)
             yield (
                 (pin_distance > self._design.ring.pin_radius).any(axis=1),
                 lambda sample: (
@@ -637,13 +645,13 @@ class _Recorder:
                 ),
             )
         member = self._reducer.member
-        ring, _ = member.ring_and_carrier(sensor_values[:, self._output])
-        crank = member.mesh_angle(sensor_values[:, self._input], ring)
-        for number, gear in enumerate(self._gears, start=1):
-            error = sensor_values[:, gear] - ring + crank / member.lobes
-            disc_name = f"disc {number}" if len(self._gears) > 1 else "the disc"
+        ring_angle, _ = member.ring_and_carrier(sensor_values[:, self._output_column])
+        crank_angle = member.mesh_angle(sensor_values[:, self._input_column], ring_angle)
+        for number, gear_column in enumerate(self._gear_columns, start=1):
+            angle_error = sensor_values[:, gear_column] - ring_angle + crank_angle / member.lobes
+            disc_name = f"disc {number}" if len(self._gear_columns) > 1 else "the disc"
             quarter_pitch = 0.25 * 2.0 * math.pi / member.lobes
-            yield (np.abs(error) > quarter_pitch, partial(_describe_skip, disc_name, error))
+            yield (np.abs(angle_error) > quarter_pitch, partial(_describe_skip, disc_name, angle_error))
 
     def _describe_jam(self, cause: str, power: Array, sample: int) -> str:
         """Return the error message of a jam in the sample with the index `sample`.
@@ -659,8 +667,8 @@ class _Recorder:
         )
 
 
-def _describe_skip(part: str, error: Array, sample: int) -> str:
+def _describe_skip(part: str, angle_error: Array, sample: int) -> str:
     return (
-        f"{part} skipped a tooth: it is {math.degrees(error[sample]):.3f} deg away from the angle that the crank "
+        f"{part} skipped a tooth: it is {math.degrees(angle_error[sample]):.3f} deg away from the angle that the crank "
         "dictates; check clearances and load"
     )

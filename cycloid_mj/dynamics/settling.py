@@ -44,26 +44,29 @@ SETTLING = SettlingSettings()
 
 
 def closed_stiffness(reducer: Reducer) -> float:
-    """Estimate the torsional stiffness of a drive [N m/rad] with half of its teeth and output pins in contact.
+    """Estimate the torsional stiffness of a drive [N m/rad] with half of its teeth and output pins in (closed) contact.
 
     Three stiffnesses are in series, each multiplied by the number of discs. That of the teeth is k sum l^2, with their
-    lever arms l and the stiffness k of tooth and seat in series; that of the cam is k (c (N-1))^2, with the
-    eccentricity c and N ring teeth; and that of n output pins on the radius R is k n R^2/4. The compliance of carrier,
-    shaft and housing in torsion is added. The stiffness of an RV reducer is `closed_form_stiffness`.
+    lever arms l and the stiffness k of tooth and seat in series; that of the cam, with its own k, is k (c (N-1))^2,
+    with the eccentricity c and N ring teeth; and that of n output pins with theirs, on the radius R, is k n R^2/4. The
+    compliance of carrier, shaft and housing in torsion is added. The stiffness of an RV reducer is
+    `closed_form_stiffness`.
     """
     design = reducer.design
     if isinstance(reducer, RvReducer):
-        tooth = reducer.contacts.mesh_stiffness
-        return closed_form_stiffness(reducer.stage, reducer.bearing_stiffness, tooth) / reducer.share**2
-    stiffness = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
-    stiffness |= {"output": design.gear.discs * reducer.contacts["output"].stiffness_by_disc[0]}
+        tooth_stiffness = reducer.contacts.mesh_stiffness
+        return closed_form_stiffness(reducer.stage, reducer.bearing_stiffness, tooth_stiffness) / reducer.share**2
+    stiffness_by_kind = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
+    stiffness_by_kind |= {"output": design.gear.discs * reducer.contacts["output"].stiffness_by_disc[0]}
     gear, output = reducer.tooth_profile, design.output
     moment_arms = profile.moment_arm(gear, profile.pin_angles(gear))
-    mesh_compliance = sum(1.0 / stiffness[kind] for kind in stiffness if kind not in ("cam", "output"))
-    mesh = np.sum(moment_arms[moment_arms > 0.0] ** 2) / mesh_compliance
-    cam = stiffness["cam"] * (gear.eccentricity * gear.lobes) ** 2
-    pins = stiffness["output"] * output.pins * output.pin_circle_radius**2 / 4.0
-    return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
+    mesh_compliance = sum(1.0 / stiffness_by_kind[kind] for kind in stiffness_by_kind if kind not in ("cam", "output"))
+    mesh_stiffness = np.sum(moment_arms[moment_arms > 0.0] ** 2) / mesh_compliance
+    cam_stiffness = stiffness_by_kind["cam"] * (gear.eccentricity * gear.lobes) ** 2
+    pin_stiffness = stiffness_by_kind["output"] * output.pins * output.pin_circle_radius**2 / 4.0
+    return float(
+        1.0 / (reducer.share**2 * (1.0 / mesh_stiffness + 1.0 / cam_stiffness + 1.0 / pin_stiffness) + wind_up(reducer))
+    )
 
 
 def output_period(reducer: Reducer) -> float:
@@ -91,8 +94,9 @@ def swing_period(reducer: Reducer) -> float:
 def crossing_time(reducer: Reducer) -> float:
     """Compute the time [s] in which the load carries the output across its backlash; 0 without load or backlash.
 
-    The settling time contains `SETTLING.crossings` times this result. As a rotating crank crosses the backlash within
-    one turn at any load, the product is limited to the time of one crank turn.
+    The output starts at rest (`rotation_time`). The settling time contains `SETTLING.crossings` times this result. As a
+    rotating crank crosses the backlash within one turn at any load, the product is limited to the time of one crank
+    turn.
     """
     drive, load = reducer.design.drive, abs(reducer.design.load.torque)
     if not load:

@@ -80,8 +80,8 @@ def choose_step(reducer: Reducer) -> TimeStep:
 
 def divide_sample_time(rate: float, allowed: Mapping[str, float]) -> TimeStep:
     """Return the longest step that divides 1/`rate` [1/Hz] and does not exceed the `allowed` steps [s], by reason."""
-    reason, longest = min(allowed.items(), key=lambda item: item[1])
-    return TimeStep(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"automatic: {reason}")
+    reason, max_step = min(allowed.items(), key=lambda item: item[1])
+    return TimeStep(1.0 / (rate * math.ceil(1.0 / (rate * max_step) - 1e-9)), f"automatic: {reason}")
 
 
 class StepAccuracy(NamedTuple):
@@ -196,14 +196,14 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     stiffness k = F/(clearance + F/K) under the working force F, for the contact stiffness K.
     """
     design = reducer.design
-    gear, _, pin = _part_masses(reducer)
+    disc_mass, _, pin_mass = _part_masses(reducer)
     if isinstance(reducer, RvReducer):
-        share, clearance = gear / reducer.cranks.count, reducer.bearing_clearance
-        limits = {"the disc on its cranks": _rolling_limit(reducer, names.CRANK_BEARING, share, clearance)}
+        mass_share, clearance = disc_mass / reducer.cranks.count, reducer.bearing_clearance
+        limits = {"the disc on its cranks": _rolling_limit(reducer, names.CRANK_BEARING, mass_share, clearance)}
     else:
-        limits = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
+        limits = {"the disc on its cam": _rolling_limit(reducer, "cam", disc_mass, design.clearance.cam)}
     if design.ring.has_pin_bodies:
-        limits["pins in their clearance"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
+        limits["pins in their clearance"] = _rolling_limit(reducer, design.seat_pair, pin_mass, design.pin_play)
     return limits
 
 
@@ -222,32 +222,39 @@ def circling_limit(reducer: Reducer) -> float:
     """Return the longest step [s] in which discs stay close to their orbit (`MujocoStepSettings.max_sagitta`)."""
     design = reducer.design
     contact, play = reducer.contacts[design.tooth_pair], getattr(design.clearance, design.tooth_pair) + design.pin_play
-    room = play + contact.force / contact.stiffness_by_disc[0]
-    return math.sqrt(12.0 * SETTINGS.max_sagitta * room / (design.gear.eccentricity * reducer.orbit_speed**2))
+    play_and_deflection = play + contact.force / contact.stiffness_by_disc[0]
+    return math.sqrt(
+        12.0 * SETTINGS.max_sagitta * play_and_deflection / (design.gear.eccentricity * reducer.orbit_speed**2)
+    )
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the effective mass [kg] that oscillates on a contact of each kind of mating pair, by kind.
+    """Compute the effective mass [kg] that oscillates on a contact of each kind of mating pair, by kind (``cam``).
 
     Half of the ring contacts and of the output contacts of each disc carry load at a time. A free pin, or a sleeve,
     lies between two contacts. The loaded member moves by its rotation: the lever arm of ring forces is at most c N,
     with the eccentricity c and the number N of ring teeth.
     """
     design = reducer.design
-    gear, output, pin = _part_masses(reducer.shape)
-    ring_inertia, carrier_inertia = (output, math.inf) if design.output.turns_ring else (math.inf, output)
+    disc_mass, inertia_of_output, pin_mass = _part_masses(reducer.shape)
+    ring_inertia, carrier_inertia = (
+        (inertia_of_output, math.inf) if design.output.turns_ring else (math.inf, inertia_of_output)
+    )
     if isinstance(reducer, RvReducer):
-        mobility = _rv_mobility(reducer, 0.0 if math.isinf(carrier_inertia) else 1.0 / turning_inertia(reducer))
+        mobility_by_kind = _rv_mobility(reducer, 0.0 if math.isinf(carrier_inertia) else 1.0 / turning_inertia(reducer))
     else:
-        by_carrier = design.gear.discs * design.output.pin_circle_radius**2 / carrier_inertia
-        mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + by_carrier) * design.output.pins / 2.0}
+        carrier_mobility = design.gear.discs * design.output.pin_circle_radius**2 / carrier_inertia
+        mobility_by_kind = {
+            "cam": 1.0 / disc_mass,
+            "output": (1.0 / disc_mass + carrier_mobility) * design.output.pins / 2.0,
+        }
     if design.ring.has_pin_bodies:
-        mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
+        mobility_by_kind |= {"pin_gear": 2.0 * (1.0 / disc_mass + 1.0 / pin_mass), design.seat_pair: 2.0 / pin_mass}
     else:
         moment_arm = design.gear.eccentricity * design.ring.teeth
-        by_ring = design.gear.discs * moment_arm**2 / ring_inertia
-        mobility[design.tooth_pair] = (1.0 / gear + by_ring) * design.ring.teeth / 2.0
-    return {kind: 1.0 / mobility_of_kind for kind, mobility_of_kind in mobility.items()}
+        ring_mobility = design.gear.discs * moment_arm**2 / ring_inertia
+        mobility_by_kind[design.tooth_pair] = (1.0 / disc_mass + ring_mobility) * design.ring.teeth / 2.0
+    return {kind: 1.0 / mobility_of_kind for kind, mobility_of_kind in mobility_by_kind.items()}
 
 
 def _rv_mobility(reducer: RvReducer, carrier_mobility: float) -> dict[str, float]:
@@ -258,17 +265,17 @@ def _rv_mobility(reducer: RvReducer, carrier_mobility: float) -> dict[str, float
     the larger of the sun's: by its rotation, or 1/(2 m) of a floating sun of mass m sideways. `carrier_mobility` is the
     inverse inertia of the carrier with its cranks [1/(kg m2)]; it is 0 if the carrier is fixed.
     """
-    count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
-    disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
+    crank_count, planet_mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
+    disc_masses, crank_masses, sun_masses = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
     rotation_mobility = reducer.crank_radius**2 * (
-        1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * carrier_mobility
+        1.0 / disc_masses.inertia[2, 2] + reducer.design.gear.discs * carrier_mobility
     )
-    sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
-    sideways_mobility = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
-    sun_mobility = count * max(mesh.sun_base**2 / sun_inertia, sideways_mobility)
+    sun_inertia = float(sun_masses.inertia[2, 2]) + reducer.design.drive.rotor_inertia
+    sideways_mobility = 0.5 / sun_masses.mass if reducer.planet.sun_support == "floating" else 0.0
+    sun_mobility = crank_count * max(planet_mesh.sun_base**2 / sun_inertia, sideways_mobility)
     return {
-        names.CRANK_BEARING: count * max(1.0 / disc.mass, float(rotation_mobility)),
-        names.PLANET_MESH: sun_mobility + mesh.planet_base**2 / float(crank.inertia[2, 2]),
+        names.CRANK_BEARING: crank_count * max(1.0 / disc_masses.mass, float(rotation_mobility)),
+        names.PLANET_MESH: sun_mobility + planet_mesh.planet_base**2 / float(crank_masses.inertia[2, 2]),
     }
 
 
@@ -278,11 +285,15 @@ def _part_masses(reducer: Reducer) -> tuple[float, float, float]:
 
     That of a tilting pin is its effective mass at the plane of a disc.
     """
-    pin = 0.0
+    pin_mass = 0.0
     if reducer.design.ring.has_pin_bodies:
-        mass = pin_mass_matrix(reducer)
-        pin = float(mass[0, 0] - mass[0, 1] ** 2 / mass[1, 1]) if len(mass) > 1 else float(mass[0, 0])
-    return moving_masses(reducer)[reducer.gears[0]].mass, output_inertia(reducer), pin
+        mass_matrix = pin_mass_matrix(reducer)
+        pin_mass = (
+            float(mass_matrix[0, 0] - mass_matrix[0, 1] ** 2 / mass_matrix[1, 1])
+            if len(mass_matrix) > 1
+            else float(mass_matrix[0, 0])
+        )
+    return moving_masses(reducer)[reducer.gears[0]].mass, output_inertia(reducer), pin_mass
 
 
 MUJOCO_RULE = StepRule(choose_step, SETTINGS.min_steps_per_tooth, ACCURACY)

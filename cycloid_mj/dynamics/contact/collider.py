@@ -91,11 +91,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
-        """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
+        """Write the contacts of a disc's teeth and a lobe at the address `contacts`, and return their number.
 
-        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are the addresses of ``mjModel`` and
-        ``mjData``, `contacts` that of an array of ``mjPreContact``, which has room for all contacts; `geom1` and
-        `geom2` are the indices of the geoms. Only contacts with gaps below `margin` [m] are written.
+        Any other pair of cylinder geoms is passed to the general collider. The arguments are those of its ``collide``.
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -110,9 +108,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return MuJoCo's own collision function for cylinders (its address), and the exact one, after its self-test.
+    """Return the address of MuJoCo's own collision function for cylinders, and the exact one after its self-test.
 
-    The exact function, a numba ``cfunc``, computes all contacts except those of lobes.
+    The latter, a numba ``cfunc``, computes all exact contacts except those of lobes.
 
     Raises
     ------
@@ -133,9 +131,9 @@ def _general_collider() -> Any:
 
 @cache
 def _compile_correction() -> Any:
-    lift = compile_control_callback(find_step_layout())
-    selftest.require_passed("lift", lambda: selftest.try_correction(lift.address))
-    return lift
+    control_callback = compile_control_callback(find_step_layout())
+    selftest.require_passed("lift", lambda: selftest.try_correction(control_callback.address))
+    return control_callback
 
 
 @cache

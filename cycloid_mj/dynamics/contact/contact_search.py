@@ -157,7 +157,7 @@ def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx:
     """Write a contact point as six doubles at a memory address: gap, position, stiffness factor and unit normal.
 
     The gap and the position (x, y) are in [m]; `factor` [1] multiplies the stiffness of the contact; the normal is (nx,
-    ny). They are the fields of a `Touch`.
+    ny). `read_touch` returns them as a `Touch`.
     """
     write_float(address, gap)
     write_float(address + 8, x)
@@ -255,29 +255,30 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 
 @njit(inline="always")
-def _interval_edge_phase(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
+def _interval_edge_phase(half_start: float, half_end: float, fraction: float, is_own: bool, is_graded: bool) -> float:
     """Compute the phase B [rad] at which a search interval in half a root of the internal gear ends.
 
     B is the position along a root (`offset_root`), which connects the arcs of two lobes. The half root extends from the
-    phase `bottom` to `top` [rad] and is searched in intervals. `fraction` [1] is the number of intervals between
-    `bottom` and the edge, divided by the number of all intervals. They are equally long unless `is_graded`. Graded
-    intervals become shorter towards both ends, most of all towards the junction with the arc of the lobe. The junction
-    is at `bottom` if `is_own` (`HalfRoot.own`), else at `top`; the other end is the middle of the root.
+    phase `half_start` to `half_end` [rad] and is searched in intervals. `fraction` [1] is the number of intervals from
+    `half_start` to the phase of the result, divided by the number of all intervals. They are equally long unless
+    `is_graded`. Graded intervals become shorter towards both ends, most of all towards the junction with the arc of the
+    lobe. The junction is at `half_start` if `is_own` (`HalfRoot.own`), else at `half_end`; the other end is the middle
+    of the root.
     """
     if not is_graded:
-        return bottom + (top - bottom) * fraction
+        return half_start + (half_end - half_start) * fraction
     sine = math.sin(0.5 * math.pi * (fraction if is_own else 1.0 - fraction))
-    distance = (top - bottom) * sine * sine * sine
-    return bottom + distance if is_own else top - distance
+    distance = (half_end - half_start) * sine * sine * sine
+    return half_start + distance if is_own else half_end - distance
 
 
 @njit(inline="always")
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
     """Return whether a displaced disc is certainly too far from a root for a contact, by a simple bound.
 
-    The root's normals lie in the sector from the unit vector (x1, y1) clockwise to (x2, y2). `clearance` is the
-    smallest gap without displacement minus the largest gap of a contact [m], (dx, dy) the displacement of the disc [m].
-    False means that the bound does not decide.
+    The disc's outward normals there lie in the sector from the unit vector (x1, y1) clockwise to (x2, y2). `clearance`
+    is the smallest gap without displacement minus the largest gap of a contact [m], (dx, dy) the displacement of the
+    disc [m]. False means that the bound does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -442,14 +443,14 @@ def _write_root_contacts(
     gear: Pose,
     margin: float,
 ) -> tuple[int, ArcTouch]:
-    """Find and write the contacts of the teeth in half a `root` of the internal gear, after `count` others.
+    """Find the contacts of the teeth in half a `root` of the internal gear, and append them to an array of contacts.
 
-    `address` is the memory address of the array of contacts. The half root is divided into intervals, each of which is
-    searched for a minimum of the gap; a minimum below `margin` [m] is a contact. If the gap between the contacts on arc
-    and root is below the deflection of the teeth, both share one patch: their stiffness is reduced. `profile` are the
-    teeth of the disc, `arc` is the contact on the arc of the lobe, whose radius is `arc_radius` [m]. `lobe` is the pose
-    of the lobe in the world, `gear` that of the teeth in the frame of the lobe. Returns the new number of contacts, and
-    `arc` with its new stiffness.
+    `address` is the memory address of the array, which already has `count` contacts. The half root is divided into
+    intervals, each of which is searched for a minimum of the gap; a minimum below `margin` [m] is a contact. If the gap
+    between the contacts on arc and root is below the deflection of the teeth, both share one patch: their stiffness is
+    reduced. `profile` are the teeth of the disc, `arc` is the contact on the arc of the lobe, whose radius is
+    `arc_radius` [m]. `lobe` is the pose of the lobe in the world, `gear` that of the teeth in the frame of the lobe.
+    Returns the new number of contacts, and `arc` with its stiffness, which is reduced if it shares a patch.
     """
     flank, ring, root_frame, min_phase = profile.flank, profile.ring, root.frame, root.min_phase
     gear_x, gear_y = inwards(root_frame, gear.x, gear.y)
@@ -526,9 +527,9 @@ def inner_touches(
 def _write_inner_contact(
     address: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float
 ) -> int:
-    """Write the contact of a circle with the circle around it at a memory address; return the number, 0 or 1.
+    """Write a contact of a circle with the circle or arc around it at a memory address; return the number, 0 or 1.
 
-    The inner circle has the centre (x, y) and the `radius` [m]; the unit normal (nx, ny) points outwards. A contact
+    The circle inside has the centre (x, y) and the `radius` [m]; the unit normal (nx, ny) points outwards. A contact
     with a `gap` of `margin` [m] or more is not written.
     """
     if not gap < margin:

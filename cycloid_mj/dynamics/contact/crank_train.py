@@ -86,10 +86,11 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 
 @njit(inline="always")
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
-    """Compute the gaps [m] between both flanks of a planet and the sun, and their line of action.
+    """Compute the gaps [m] between both flanks of a planet and the sun, and the data of their lines of action.
 
-    `mesh` has the geometry of the gears, `sun` and `planet` are their poses in a common frame. Backlash, transmission
-    error and the change of the centre distance are included.
+    These are the direction from sun to planet, the pressure angle and the pitch point (`Flanks`). `mesh` has the
+    geometry of the gears, `sun` and `planet` are their poses in a common frame. Backlash, transmission error and the
+    change of the centre distance are included.
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

@@ -194,8 +194,8 @@ class EachStep:
         """
         model, data, index = self._model, self._data, self._index
         layout = find_step_layout()._asdict()
-        values = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}
-        values |= {
+        integers = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}
+        integers |= {
             "nv": model.nv,
             "nu": len(data.ctrl),
             "nuser_geom": model.nuser_geom,
@@ -231,8 +231,8 @@ class EachStep:
             arrays |= {"film": self._film.table, "film_kind": self._film.kind, "film_pin": self._film.pin}
             arrays |= {"pin_force": self._pin_forces_and_cosines[0], "pin_cosine": self._pin_forces_and_cosines[1]}
         record = np.zeros((), STEP_STATE)
-        for name, value in (values | {name: array.ctypes.data for name, array in arrays.items()}).items():
-            record[name] = value
+        for name, integer in (integers | {name: array.ctypes.data for name, array in arrays.items()}).items():
+            record[name] = integer
         return record
 
 
@@ -394,11 +394,11 @@ def _apply_film(run: StepState) -> None:
     for pin in range(run.pins):
         write_float(run.pin_force + 8 * pin, 0.0)
         write_float(run.pin_cosine + 8 * pin, 1.0)
-    for seats in (False, True):
+    for are_seats in (False, True):
         for contact_index in range(read_int(run.ncon)):
             contact = read_address(run.contact) + run.stride * contact_index
             pair, first_row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
-            if pair < 0 or first_row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
+            if pair < 0 or first_row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != are_seats:
                 continue
             _set_film_friction(run, contact, pair, first_row)
 
@@ -489,8 +489,8 @@ def _update_peaks(run: StepState) -> None:
 def _write_sample(run: StepState) -> None:
     """Write a sample of a run at the memory address `run.rows`, and reset the peak forces.
 
-    The address is advanced to the next row. A sample has the values at the addresses `run.sources`, solver statistics,
-    forces and powers of all pairs, and the powers of drags; see ``sample_layout``.
+    The address is advanced to the next row. A sample has the values at the addresses `run.sources`, solver statistics
+    such as iterations, forces and powers of all pairs, and the powers of drags; see ``sample_layout``.
     """
     address = run.rows
     run.rows += run.width

@@ -53,21 +53,23 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     """Return lookup tables from two geoms in contact to their mating pair, for compiled code.
 
     `model` is the MuJoCo model, `pairs` are its mating pairs. The tables (`PairIndex`) have the surface of each geom,
-    the pair of any two surfaces, and for each pair the body on which its logged force acts: the body of the surface
-    `Pair.on`. A geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0
-    stands for none. The number of a pair is negative if the first of the two surfaces is `Pair.on`, because MuJoCo's
-    contact force acts on the second.
+    the number of the pair of any two surfaces, and for each pair the body on which its logged force acts: the body of
+    the surface `Pair.on`. A geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted
+    from 1; 0 stands for none. The number of a pair is negative if the first of the two surfaces is `Pair.on`, because
+    MuJoCo's contact force acts on the second.
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
-    number_of = {name: count for count, name in enumerate(surface_names, start=1)}
-    surface = np.array([number_of.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32)
-    body_of_surface = dict(zip(surface.tolist(), model.geom_bodyid.tolist(), strict=True))
-    index = np.zeros((len(number_of) + 1, len(number_of) + 1), dtype=np.int32)
-    for count, pair in enumerate(pairs, start=1):
-        on_number, by_number = number_of[pair.on], number_of[pair.by]
-        index[on_number, by_number], index[by_number, on_number] = -count, count
-    origin = np.array([body_of_surface[number_of[pair.on]] for pair in pairs], dtype=np.int32)
-    return PairIndex(surface, index, origin, *_tooth_contact_data(model))
+    surface_numbers = {name: number for number, name in enumerate(surface_names, start=1)}
+    number_of_geom = np.array(
+        [surface_numbers.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32
+    )
+    body_of_surface = dict(zip(number_of_geom.tolist(), model.geom_bodyid.tolist(), strict=True))
+    pair_numbers = np.zeros((len(surface_numbers) + 1, len(surface_numbers) + 1), dtype=np.int32)
+    for pair_number, pair in enumerate(pairs, start=1):
+        on_number, by_number = surface_numbers[pair.on], surface_numbers[pair.by]
+        pair_numbers[on_number, by_number], pair_numbers[by_number, on_number] = -pair_number, pair_number
+    origin_bodies = np.array([body_of_surface[surface_numbers[pair.on]] for pair in pairs], dtype=np.int32)
+    return PairIndex(number_of_geom, pair_numbers, origin_bodies, *_tooth_contact_data(model))
 
 
 def _tooth_contact_data(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
@@ -77,18 +79,18 @@ def _tooth_contact_data(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
 
     Returns
     -------
-    radius
+    radii
         Radius of a ring pin or lobe, less the clearance of a massless pin [m]; 0 for other geoms.
-    address
+    data_addresses
         Memory address of the user data of a geom that represents the teeth of a disc; 0 for other geoms.
     """
-    priority, user_data, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
+    priority, user_data, radii = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     is_teeth = priority == int(Role.TEETH)
     if is_teeth.any():
         for role, play in ((Role.PIN, user_data[:, PLAY]), (Role.LOBE, 0.0)):
-            max_reach = np.where(priority == int(role), model.geom_size[:, 0] - play, max_reach)
-    address = model.geom_user.ctypes.data + 8 * model.nuser_geom * np.arange(model.ngeom)
-    return max_reach, np.where(is_teeth, address, 0)
+            radii = np.where(priority == int(role), model.geom_size[:, 0] - play, radii)
+    data_addresses = model.geom_user.ctypes.data + 8 * model.nuser_geom * np.arange(model.ngeom)
+    return radii, np.where(is_teeth, data_addresses, 0)
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -174,19 +176,19 @@ def _compute_penetration(state: StepState, contact: int) -> float:
     if not teeth_data or overlap <= 0.0:
         return overlap
     x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
-    centre = state.geom_xpos + 24 * mate
-    dx, dy = read_float(centre) - x, read_float(centre + 8) - y
+    mate_position = state.geom_xpos + 24 * mate
+    dx, dy = read_float(mate_position) - x, read_float(mate_position + 8) - y
     distance = math.sqrt(dx * dx + dy * dy)
     if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * distance:
         return 2.0 * (read_float(state.reach + 8 * mate) - distance)
     # a root of the ring: its depth from the contact point, which lies half-way
     flank = read_teeth(teeth_data, state.nuser_geom).flank
-    gear, rotation = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
+    gear_position, gear_rotation = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
     along_x, along_y, cosine, sine = (
-        x - read_float(gear),
-        y - read_float(gear + 8),
-        read_float(rotation),
-        read_float(rotation + 24),
+        x - read_float(gear_position),
+        y - read_float(gear_position + 8),
+        read_float(gear_rotation),
+        read_float(gear_rotation + 24),
     )
     return -2.0 * (
         flank_distance(cosine * along_x + sine * along_y, cosine * along_y - sine * along_x, flank)[1] + flank.offset
@@ -196,10 +198,11 @@ def _compute_penetration(state: StepState, contact: int) -> float:
 def drag_rows(model: Any, joint_by_loss: Mapping[str, str]) -> dict[str, int]:
     """Return the index of the constraint row that models each loss by seals and lubricant, by the name of the loss.
 
-    `joint_by_loss` maps losses to joints of the model. Losses without such a joint, or without friction there, are
-    omitted. The models have no equalities: joint friction has the first rows, in the order of the degrees of freedom.
+    `joint_by_loss` maps losses, such as ``crank_drag``, to joints of the model. Losses without such a joint, or without
+    friction there, are omitted. The models have no equalities: joint friction has the first rows, in the order of the
+    degrees of freedom.
     """
     has_drag = model.dof_frictionloss > 0.0
-    joints = {model.joint(i).name: int(model.jnt_dofadr[i]) for i in range(model.njnt)}
-    dof_by_loss = {name: joints[joint] for name, joint in joint_by_loss.items() if joint in joints}
+    dof_by_joint = {model.joint(i).name: int(model.jnt_dofadr[i]) for i in range(model.njnt)}
+    dof_by_loss = {name: dof_by_joint[joint] for name, joint in joint_by_loss.items() if joint in dof_by_joint}
     return {name: int(np.count_nonzero(has_drag[:dof])) for name, dof in dof_by_loss.items() if has_drag[dof]}

@@ -150,10 +150,10 @@ def trochoid_foot(
             pitch_radius * teeth * cos_nt - radius * cos_t,
         )
         squared_speed = tangent_x * tangent_x + tangent_y * tangent_y
-        curvature = squared_speed + dx * tangent_rate_x + dy * tangent_rate_y
+        second_derivative = squared_speed + dx * tangent_rate_x + dy * tangent_rate_y
         # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
         increment = -(dx * tangent_x + dy * tangent_y) / (
-            curvature if curvature > 0.1 * squared_speed else squared_speed
+            second_derivative if second_derivative > 0.1 * squared_speed else squared_speed
         )
         increment = min(max_increment, max(-max_increment, increment))
         t += increment
@@ -184,8 +184,8 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
     """
     radius, eccentricity, ring_teeth = curve
     closed_form_start, sin_t, cos_t = trochoid_start(x, y, curve)
-    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, closed_form_start, sin_t, cos_t)
-    if converged and abs(distance) < 0.1 * eccentricity:
+    t, distance, nx, ny, has_converged = trochoid_foot(x, y, curve, closed_form_start, sin_t, cos_t)
+    if has_converged and abs(distance) < 0.1 * eccentricity:
         return t, distance, nx, ny
     pitch = 2.0 * math.pi / (ring_teeth - 1.0)
     best_start, min_squared_distance = closed_form_start, math.inf
@@ -195,7 +195,9 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
         dy = radius * math.cos(candidate) - eccentricity * math.cos(ring_teeth * candidate) - y
         if dx * dx + dy * dy < min_squared_distance:
             best_start, min_squared_distance = candidate, dx * dx + dy * dy
-    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best_start, math.sin(best_start), math.cos(best_start))
+    t, distance, nx, ny, has_converged = trochoid_foot(
+        x, y, curve, best_start, math.sin(best_start), math.cos(best_start)
+    )
     return t, distance, nx, ny
 
 
@@ -267,8 +269,8 @@ def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
 def _speed_squared(t: float, curve: Trochoid) -> float:
     """Compute the square of the trochoid's arc rate [m2/rad2]."""
     radius, eccentricity, teeth = curve
-    base = eccentricity * teeth
-    return radius * radius + base * base - 2.0 * radius * base * math.cos((teeth - 1.0) * t)
+    pitch_radius = eccentricity * teeth
+    return radius * radius + pitch_radius * pitch_radius - 2.0 * radius * pitch_radius * math.cos((teeth - 1.0) * t)
 
 
 @njit
@@ -301,10 +303,10 @@ def _unrotated_distance(x: float, y: float, flank: Flank) -> tuple[float, float,
 @njit
 def flank_curvature(t: float, flank: Flank) -> float:
     """Compute the signed curvature [1/m] of the trochoid with the flank's waves at t [rad], positive where convex."""
-    bend = trochoid_curvature(t, flank.curve)
+    curvature = trochoid_curvature(t, flank.curve)
     if len(flank.waves) == 0:
-        return bend
-    return bend + wave_offset(t, flank.waves)[2] / _speed_squared(t, flank.curve)
+        return curvature
+    return curvature + wave_offset(t, flank.waves)[2] / _speed_squared(t, flank.curve)
 
 
 @njit
@@ -394,8 +396,10 @@ class PartialCircle(NamedTuple):
 @njit(inline="always")
 def arc_edge(arc: PartialCircle, side: float) -> tuple[float, float]:
     """Compute the edge of an arc [m] from its circle's centre; side 1.0 is clockwise of the middle, -1.0 before it."""
-    across = side * arc.sine
-    return arc.radius * (arc.cosine * arc.x + across * arc.y), arc.radius * (arc.cosine * arc.y - across * arc.x)
+    signed_sine = side * arc.sine
+    return arc.radius * (arc.cosine * arc.x + signed_sine * arc.y), arc.radius * (
+        arc.cosine * arc.y - signed_sine * arc.x
+    )
 
 
 @njit(inline="always")

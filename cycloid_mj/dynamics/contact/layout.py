@@ -125,65 +125,66 @@ def find_step_layout() -> StepLayout:
         MuJoCo's structures are not as expected; the message names the field and the installed release.
     """
     # What lies behind the structure may be an address by chance, but not for both models at the same offset.
-    (first_address, fields), (second_address, other_fields) = (
-        _find_candidates(balls=2, user=7919),
-        _find_candidates(balls=5, user=6101),
+    (first_offsets, contact_fields), (second_offsets, other_contact_fields) = (
+        _find_candidates(ball_count=2, user_count=7919),
+        _find_candidates(ball_count=5, user_count=6101),
     )
-    offsets = {name: sorted(first_address[name] & second_address[name]) for name in first_address}
+    offsets = {name: sorted(first_offsets[name] & second_offsets[name]) for name in first_offsets}
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     forces = offsets["efc_force"]
     offsets["contact"] = [offset for offset in offsets["contact"] if forces and offset < forces[0]]
-    if not all(offsets.values()) or fields != other_fields:
+    if not all(offsets.values()) or contact_fields != other_contact_fields:
         raise _layout_error("contacts, forces, accelerations or user data are missing")
     offset_by_name = {
         name: candidates[-1 if name in ("contact", "userdata") else 0] for name, candidates in offsets.items()
     }
-    return StepLayout(nuser_geom=find_layout().nuser_geom, **offset_by_name, **fields)
+    return StepLayout(nuser_geom=find_layout().nuser_geom, **offset_by_name, **contact_fields)
 
 
-def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
+def _find_candidates(ball_count: int, user_count: int) -> tuple[dict[str, set[int]], dict[str, int]]:
     """Return the possible byte offsets of each field of `StepLayout` in one model, and the known offsets in a contact.
 
-    The fields are pointers and numbers of ``mjModel`` and ``mjData``. The model has `balls` spheres in contact, and
-    `user` numbers of user data.
+    The fields are pointers and numbers of ``mjModel`` and ``mjData``, such as ``efc_force``. The offsets in a contact
+    are those of `FIELDS`, such as ``pos``, with the size of a contact, ``stride``. The model has `ball_count` spheres
+    in contact, and `user_count` numbers of user data.
     """
-    model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * balls, user=user))
+    model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * ball_count, user=user_count))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     contact, data_start = data.contact, data.energy.ctypes.data - data._address
     # The distance is the first field of a contact.
     first_address = contact.dist.ctypes.data
-    fields = {name: getattr(contact, name).ctypes.data - first_address for name in FIELDS}
+    field_offsets = {name: getattr(contact, name).ctypes.data - first_address for name in FIELDS}
     arrays = {"contact": contact.dist} | {name: getattr(data, name) for name in POINTERS}
     offsets = {
         name: set(_find_address(data._address, data_start, array.ctypes.data, _Span.DATA))
         for name, array in arrays.items()
     }
-    offsets["nuserdata"] = set(_find_number(model._address, _Span.SIZES, user))
+    offsets["nuserdata"] = set(_find_number(model._address, _Span.SIZES, user_count))
     offsets["ncon"] = set(_find_number(data._address, data_start, data.ncon))
     # One ball is lifted: the number of contacts falls, that of balls and the most contacts so far stay.
     data.qpos[0] = 1.0
     mujoco.mj_forward(model, data)
     offsets["ncon"] &= set(_find_number(data._address, data_start, data.ncon))
-    return offsets, {"stride": contact.dist.strides[0]} | fields
+    return offsets, {"stride": contact.dist.strides[0]} | field_offsets
 
 
 def _find_pointers(model: Any) -> dict[str, int]:
-    """Return the byte offsets of the five pointers of `Layout`, by name, in one model; raise ContactError without them.
+    """Return the byte offsets of the five pointers of `Layout` in one model, by name, such as ``geom_size``.
 
-    If the address of an array occurs several times, the last occurrence is taken: empty arrays before it may have the
-    same address.
+    ContactError is raised if the address of one of these arrays does not occur in MuJoCo's structures. If an address
+    occurs several times, the last occurrence is taken: empty arrays before it may have the same address.
     """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
     data_start = data.energy.ctypes.data - data._address
     offsets = {}
-    for owner, range_start, search_range, names in (
+    for owner, range_start, search_range, array_names in (
         (model, 0, _Span.MODEL, ("geom_size", "geom_priority", "geom_user")),
         (data, data_start, _Span.DATA, ("geom_xpos", "geom_xmat")),
     ):
-        for name in names:
+        for name in array_names:
             matches = _find_address(owner._address, range_start, getattr(owner, name).ctypes.data, search_range)
             if not matches:
                 raise _layout_error(f"{type(owner).__name__}.{name} is missing")
@@ -204,5 +205,5 @@ def _find_number(structure: int, span: int, number: int) -> list[int]:
     return [4 * i for i, word in enumerate(words) if word == number]
 
 
-def _layout_error(what: str) -> ContactError:
-    return incompatible_error(f"unexpected memory layout: {what}")
+def _layout_error(problem: str) -> ContactError:
+    return incompatible_error(f"unexpected memory layout: {problem}")

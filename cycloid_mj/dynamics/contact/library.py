@@ -37,7 +37,7 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Load the shared library of MuJoCo that its Python bindings use.
+    """Load and return the shared library of MuJoCo that its Python bindings use.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def callback(name: str) -> ctypes.c_void_p:
 
 
 def set_callback(name: str, address: int) -> None:
-    """Set the global callback of MuJoCo named `name` to the address of a compiled function; 0 removes it.
+    """Set a global callback of MuJoCo, such as ``mjcb_sensor``, to the address of a compiled function; 0 removes it.
 
     Raises
     ------

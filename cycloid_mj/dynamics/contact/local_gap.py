@@ -62,9 +62,9 @@ def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, floa
 def _rotate_small(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Compute sine and cosine of an angle increased by less than ``SETTINGS.max_rotation``."""
     square = angle * angle
-    s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
-    c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
-    return sine * c + cosine * s, cosine * c - sine * s
+    small_sine = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
+    small_cosine = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
+    return sine * small_cosine + cosine * small_sine, cosine * small_cosine - sine * small_sine
 
 
 @njit(inline="always")
@@ -112,14 +112,14 @@ def local_distance(
             cosine = cos_nt * cos_t + sin_nt * sin_t - (teeth - 1.0) * increment * (sin_nt * cos_t - cos_nt * sin_t)
             product = radius * pitch_radius * cosine
             squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * product
-            curvature_term = (radius * radius + pitch_radius * pitch_radius * teeth - (teeth + 1.0) * product) / (
+            foot_curvature = (radius * radius + pitch_radius * pitch_radius * teeth - (teeth + 1.0) * product) / (
                 squared_pitch_distance * math.sqrt(squared_pitch_distance)
             )
             return (
                 distance,
                 along_tangent * tangent_x - along_normal * tangent_y,
                 along_normal * tangent_x + along_tangent * tangent_y,
-                curvature_term,
+                foot_curvature,
             )
         increment /= max(radius_ratio, 0.5)
         if not abs(teeth * increment) < SETTINGS.max_rotation:

@@ -67,14 +67,14 @@ def _pose(data: int, layout: Layout, geom: int) -> Pose:
 
 
 @njit(inline="always")
-def _user(model: int, layout: Layout, geom: int) -> int:
+def _user_address(model: int, layout: Layout, geom: int) -> int:
     """Return the address of the ``geom user`` of a geom."""
     return read_address(model + layout.geom_user) + 8 * read_int(model + layout.nuser_geom) * geom
 
 
 @njit(inline="always")
 def _teeth(model: int, layout: Layout, geom: int) -> Teeth:
-    return read_teeth(_user(model, layout, geom), read_int(model + layout.nuser_geom))
+    return read_teeth(_user_address(model, layout, geom), read_int(model + layout.nuser_geom))
 
 
 @njit(inline="always")
@@ -89,10 +89,10 @@ def _scaled_gap(gap: float, factor: float) -> float:
 
 
 @njit(inline="always")
-def _write_touch(out: int, touch: Touch, z: float, sign: float) -> None:
-    """Write the contact of a touch in the plane at z [m], in its place or elsewhere."""
+def _write_touch(address: int, touch: Touch, z: float, sign: float) -> None:
+    """Write a contact point at the height z [m] as MuJoCo's ``mjPreContact``; it may have been read from there."""
     gap = _scaled_gap(touch.gap, touch.factor)
-    write_contact(out, gap, touch.x, touch.y, z, sign * touch.nx, sign * touch.ny)
+    write_contact(address, gap, touch.x, touch.y, z, sign * touch.nx, sign * touch.ny)
 
 
 @compiling.njit(inner=True)
@@ -105,7 +105,7 @@ def write_pin_contact(
     ``mjData`` and the ``mjPreContact``, `teeth` and `pin` the indices of the geoms. `sign` is 1 if `teeth` is the first
     geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
     """
-    user_data = _user(model, layout, pin)
+    user_data = _user_address(model, layout, pin)
     ring_pin = RingPin(
         _radius(model, layout, pin),
         read_float(user_data),
@@ -153,13 +153,17 @@ def write_round_contacts(
     plane of the outer geom, or in two planes on both sides of it if one of the geoms is a tilting pin.
     """
     middle_z = _position(data, layout, outer)[2]
-    user_data, seat = _user(model, layout, outer), _pose(data, layout, outer)
+    user_data, outer_pose = _user_address(model, layout, outer), _pose(data, layout, outer)
     outer_arc = PartialCircle(
-        _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user_data), read_float(user_data + 8)
+        _radius(model, layout, outer),
+        -outer_pose.sine,
+        outer_pose.cosine,
+        read_float(user_data),
+        read_float(user_data + 8),
     )
-    distance, count = read_float(user_data + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
-    for plane in range(2 if distance > 0.0 else 1):
-        z = middle_z + (distance if plane else -distance)
+    plane_distance, count = read_float(user_data + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
+    for plane in range(2 if plane_distance > 0.0 else 1):
+        z = middle_z + (plane_distance if plane else -plane_distance)
         x, y = _centre_at(data, layout, inner, z)
         outer_x, outer_y = _centre_at(data, layout, outer, z)
         dx, dy, first_address = x - outer_x, y - outer_y, contacts + STRIDE * count
@@ -207,7 +211,7 @@ def write_planet_contacts(
     ``mjData`` and an array of ``mjPreContact``, `sun` and `planet` the indices of the geoms. `sign` is 1 if `sun` is
     the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
     """
-    mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
+    mesh, sun_pose = read_mesh(_user_address(model, layout, planet)), _pose(data, layout, sun)
     flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]
     pitch_x, pitch_y = sun_pose.x + flanks.pitch_radius * flanks.x, sun_pose.y + flanks.pitch_radius * flanks.y
     count = 0

@@ -6,15 +6,15 @@ from numba import carray, njit, types
 from numba.extending import intrinsic
 
 
-def _make_reader(number: types.Number, name: str) -> Any:
-    """Return a compiled function, called `name`, that reads a number of the type `number` at a memory address."""
+def _make_reader(number_type: types.Number, name: str) -> Any:
+    """Return a compiled function, called `name`, that reads a number of the type `number_type` at a memory address."""
 
     def read(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            pointer = builder.inttoptr(args[0], context.get_data_type(number).as_pointer())
+            pointer = builder.inttoptr(args[0], context.get_data_type(number_type).as_pointer())
             return builder.load(pointer, align=1)
 
-        return number(types.intp), codegen
+        return number_type(types.intp), codegen
 
     read.__name__ = read.__qualname__ = name
     return intrinsic(read)
@@ -46,15 +46,15 @@ def array_at(address: int, rows: int, columns: int) -> Any:
     return carray(_to_float(address), (rows, columns))
 
 
-def _make_writer(number: types.Number, name: str) -> Any:
-    """Return a compiled function, called `name`, that writes a number of the type `number` at a memory address."""
+def _make_writer(number_type: types.Number, name: str) -> Any:
+    """Return a compiled function, called `name`, that writes a number of the type `number_type` at a memory address."""
 
     def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            pointer = builder.inttoptr(args[0], context.get_data_type(number).as_pointer())
+            pointer = builder.inttoptr(args[0], context.get_data_type(number_type).as_pointer())
             builder.store(args[1], pointer, align=1)
 
-        return types.void(types.intp, number), codegen
+        return types.void(types.intp, number_type), codegen
 
     write.__name__ = write.__qualname__ = name
     return intrinsic(write)

@@ -104,9 +104,9 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
     for contact_index in range(read_int(data + layout.ncon)):
         row = read_int(contacts_address + layout.stride * contact_index + layout.efc_address)
         if row >= 0:
-            share = 1.0 - half_timestep * read_float(constants + 32 * row + 8)
+            undamped_share = 1.0 - half_timestep * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
-            write_float(reference, read_float(reference) + share * read_float(products + 8 * row))
+            write_float(reference, read_float(reference) + undamped_share * read_float(products + 8 * row))
     _multiply_orbit(layout, model, data, run, True)
     for contact_index in range(read_int(data + layout.ncon)):
         row = read_int(contacts_address + layout.stride * contact_index + layout.efc_address)

@@ -63,11 +63,11 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
     support = ((teeth - 1.0) * K + squared_pitch_distance) / (teeth * pitch_distance)
     x = pitch_radius * math.sin(crank) + support * math.sin(psi)
     y = pitch_radius * math.cos(crank) + support * math.cos(psi)
-    rate = ((teeth + 1.0) * pitch_distance + (teeth - 1.0) * K * K / (squared_pitch_distance * pitch_distance)) / (
+    arc_rate = ((teeth + 1.0) * pitch_distance + (teeth - 1.0) * K * K / (squared_pitch_distance * pitch_distance)) / (
         teeth * teeth
     )
     normal_rate = (teeth + 2.0 - (teeth - 2.0) * K / squared_pitch_distance) / (2.0 * teeth)
-    return x, y, psi, rate, normal_rate / rate
+    return x, y, psi, arc_rate, normal_rate / arc_rate
 
 
 @njit
@@ -137,7 +137,7 @@ def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[floa
         Gap [m], its slope along the root [1], the derivative of that slope with respect to B [1/rad], the parameter t
         of the foot point on the gear [rad], and the gear's outward normal (x, y).
     """
-    x, y, psi, rate, curvature = offset_root(B, ring)
+    x, y, psi, arc_rate, curvature = offset_root(B, ring)
     x_in_gear, y_in_gear = inwards(gear, x - gear.x, y - gear.y)
     t, distance, gear_nx, gear_ny, at_corner = flank_distance(x_in_gear, y_in_gear, flank)
     normal_x, normal_y = outwards(gear, gear_nx, gear_ny)
@@ -147,7 +147,7 @@ def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[floa
     # of the circle around it.
     gear_curvature = 1.0 / flank.offset if at_corner else flank_curvature(t, flank)
     relative_curvature = gear_curvature / (1.0 + gear_curvature * distance) - curvature
-    return distance, slope, rate * relative_curvature, t, normal_x, normal_y
+    return distance, slope, arc_rate * relative_curvature, t, normal_x, normal_y
 
 
 @njit
@@ -173,20 +173,22 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
         Phase, distance and normal at the minimum. `exists` is False if the gap is smallest at an end of the range, or
         if the iteration does not converge.
     """
-    lower, upper = min_phase, max_phase
+    lower_phase, upper_phase = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))
     for _ in range(SETTINGS.max_iterations):
         distance, slope, slope_rate, t, normal_x, normal_y = _gap_slope(B, ring, flank, gear)
         if slope < 0.0:
-            lower = B
+            lower_phase = B
         else:
-            upper = B
+            upper_phase = B
         increment = (
-            -slope / slope_rate if slope_rate > 0.0 else (0.5 * (upper - B) if slope < 0.0 else 0.5 * (lower - B))
+            -slope / slope_rate
+            if slope_rate > 0.0
+            else (0.5 * (upper_phase - B) if slope < 0.0 else 0.5 * (lower_phase - B))
         )
         next_phase = B + increment
-        if next_phase <= lower or next_phase >= upper:
-            next_phase = 0.5 * (lower + upper)
+        if next_phase <= lower_phase or next_phase >= upper_phase:
+            next_phase = 0.5 * (lower_phase + upper_phase)
         if abs(next_phase - B) < SETTINGS.phase_tolerance or abs(slope) < SETTINGS.slope_tolerance:
             is_inside = min_phase + 1e-9 < B < max_phase - 1e-9
             return Minimum(is_inside and slope_rate > 0.0, B, distance, t, normal_x, normal_y)

@@ -25,7 +25,7 @@ def sample_slices(copied: int, pairs: int, drags: int) -> tuple[slice, slice, sl
 
     The groups are, in this order: values copied from MuJoCo, statistics of the solver, forces and powers of the mating
     pairs, and losses by drags (seals and lubricant). `copied` is the number of copied values, `pairs` and `drags` are
-    those of pairs and drags.
+    the numbers of mating pairs and of drags.
     """
     edges = np.cumsum([0, copied, OF_SOLVER, OF_PAIR * pairs, drags]).tolist()
     values, solver, forces, losses = map(slice, edges[:-1], edges[1:])

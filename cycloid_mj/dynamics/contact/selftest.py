@@ -97,7 +97,7 @@ def try_collider(address: int) -> str:
     trochoid = Trochoid(TEST.radius, TEST.eccentricity, float(TEST.teeth))
     flank = Flank(trochoid, TEST.pin_radius + TEST.clearance, 0.0, 0.0, 0.0, 0.0, 0.0, NO_WAVES)
     teeth_data = " ".join(map(repr, user_data(Teeth(flank, 0.0, 0.0, 0.0, trochoid))))
-    offset = math.hypot(*TEST.offset)
+    core_offset = math.hypot(*TEST.offset)
     model = mujoco.MjModel.from_xml_string(f"""
 <mujoco>{OPTION}<size nuser_geom="{USER_DATA}"/>
 <default><geom type="cylinder" contype="0" conaffinity="0"/>
@@ -114,13 +114,13 @@ def try_collider(address: int) -> str:
 <pair geom1="bore" geom2="core"/>
 </contact></mujoco>""")
     data, table, entry = mujoco.MjData(model), collision_table(), CYLINDER * TYPES + CYLINDER
-    original = table[entry]
+    original_address = table[entry]
     table[entry] = address
     try:
         model.pair_margin[:] = 1e-3  # for gaps to be contacts
         mujoco.mj_forward(model, data)
         gaps = _values_by_mass(model, data, data.contact.dist.copy())
-        expected_gaps = {1.0: TEST.clearance, 2.0: TEST.half_play - offset}
+        expected_gaps = {1.0: TEST.clearance, 2.0: TEST.half_play - core_offset}
         if gaps.keys() != expected_gaps.keys() or any(
             abs(gaps[mass] - gap) > 1e-12 for mass, gap in expected_gaps.items()
         ):
@@ -130,8 +130,8 @@ def try_collider(address: int) -> str:
         mujoco.mj_forward(model, data)
         forces = _values_by_mass(model, data, data.efc_force.copy())
     finally:
-        table[entry] = original
-    return describe_difference(forces, {1.0: TEST.gravity, 2.0: -2.0 * TEST.gravity * TEST.offset[1] / offset})
+        table[entry] = original_address
+    return describe_difference(forces, {1.0: TEST.gravity, 2.0: -2.0 * TEST.gravity * TEST.offset[1] / core_offset})
 
 
 def try_correction(address: int) -> str:
@@ -173,7 +173,7 @@ def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, 
     """Test the code that takes and samples the time steps of a run; return the failure in words, "" for none.
 
     The sampled forces on two balls at rest are compared with their weights. `add_sensor` and `each_step` are the tested
-    function and class of the module ``each_step``.
+    function and class of the module ``each_step``; the latter is called with model, data, pairs and steps per sample.
     """
     weights = {"light": TEST.gravity, "heavy": 3.0 * TEST.gravity}
     balls = "".join(
@@ -191,14 +191,14 @@ def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, 
     data, pairs = mujoco.MjData(model), [_Pair(name, "floor") for name in weights]
     run = each_step(model, data, pair_index(model, pairs), TEST.settled)
     sample = run.advance(3)[-1]
-    samples = sample[run.pairs].reshape(len(pairs), sample_layout.OF_PAIR)
-    upward, peak = (
-        {name: float(force) for name, force in zip(weights, samples[:, column], strict=True)}
+    pair_columns = sample[run.pairs].reshape(len(pairs), sample_layout.OF_PAIR)
+    upward_forces, peak_forces = (
+        {name: float(force) for name, force in zip(weights, pair_columns[:, column], strict=True)}
         for column in (sample_layout.FORCE_Y, sample_layout.PEAK_FORCE)
     )
     if sample[run.solver][0] != len(pairs):
         return f"{sample[run.solver][0]:g} contacts carry where {len(pairs)} do"
-    return describe_difference(upward, weights) or describe_difference(peak, weights)
+    return describe_difference(upward_forces, weights) or describe_difference(peak_forces, weights)
 
 
 class _Pair(NamedTuple):
@@ -218,8 +218,8 @@ def describe_difference(forces: dict[Any, float], weights: dict[Any, float]) -> 
 def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
     """Return the element of `values` that belongs to each contact in MuJoCo's `data`, by the mass of the body [kg].
 
-    It is the mass of the moving body in contact, in `model`. The result is empty if the number of `values` is not the
-    number of contacts.
+    They are gaps or forces. The mass is that of the moving body in contact, in `model`. The result is empty if the
+    number of `values` is not the number of contacts.
     """
     if len(values) != data.ncon:
         return {}
@@ -234,5 +234,5 @@ def _record(part: str) -> Path | None:
     cache = cache_folder()
     if cache is None:
         return None
-    built = Path(mujoco.__file__).stat()
-    return cache / f"mujoco-{mujoco.__version__}-{part}-{built.st_mtime_ns}-{built.st_size}.passed"
+    library_status = Path(mujoco.__file__).stat()
+    return cache / f"mujoco-{mujoco.__version__}-{part}-{library_status.st_mtime_ns}-{library_status.st_size}.passed"

@@ -15,7 +15,7 @@ class Shared:
 
     @contextmanager
     def apply(self) -> Iterator[None]:
-        """Make a change of global state for this ``with`` block: the first open block makes it, the last reverts it."""
+        """Apply the global change in this ``with`` block: the first open block makes it, the last reverts it."""
         with self._lock:
             if not self._users:
                 self._make()

@@ -51,11 +51,11 @@ def user_data(teeth: Teeth) -> tuple[float, ...]:
 
 def teeth_of(numbers: Array) -> Teeth:
     """Return the teeth stored by `user_data`."""
-    radius, eccentricity, number, offset, reference, constant, deflection, ring = numbers[:8].tolist()
+    radius, eccentricity, ring_teeth, offset, reference, constant, deflection, ring_radius = numbers[:8].tolist()
     rotation, tip, tip_radius, valley, valley_radius = numbers[8:USER_DATA].tolist()
-    curve, waves = Trochoid(radius, eccentricity, number), numbers[USER_DATA:].reshape(-1, 2)
+    curve, waves = Trochoid(radius, eccentricity, ring_teeth), numbers[USER_DATA:].reshape(-1, 2)
     flank = Flank(curve, offset, rotation, tip, tip_radius, valley, valley_radius, waves)
-    return Teeth(flank, reference, constant, deflection, Trochoid(ring, eccentricity, number))
+    return Teeth(flank, reference, constant, deflection, Trochoid(ring_radius, eccentricity, ring_teeth))
 
 
 @njit(inline="always")
@@ -65,10 +65,10 @@ def _number(user: int, index: int) -> float:
 
 @njit(inline="always")
 def read_teeth(address: int, numbers: int) -> Teeth:
-    """Read the tooth geometry of a disc from the user data of its geom, `numbers` values at a memory address."""
-    eccentricity, number = _number(address, 1), _number(address, 2)
+    """Read the tooth geometry of a disc from the user data of its geom at an address; `numbers` is their count."""
+    eccentricity, ring_teeth = _number(address, 1), _number(address, 2)
     flank = Flank(
-        Trochoid(_number(address, 0), eccentricity, number),
+        Trochoid(_number(address, 0), eccentricity, ring_teeth),
         _number(address, 3),
         _number(address, 8),
         _number(address, 9),
@@ -77,5 +77,5 @@ def read_teeth(address: int, numbers: int) -> Teeth:
         _number(address, 12),
         array_at(address + 8 * USER_DATA, (numbers - USER_DATA) // 2, 2),
     )
-    ring = Trochoid(_number(address, 7), eccentricity, number)
+    ring = Trochoid(_number(address, 7), eccentricity, ring_teeth)
     return Teeth(flank, _number(address, 4), _number(address, 5), _number(address, 6), ring)

@@ -32,7 +32,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # unit vectors
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties], tilting_pins: bool = False) -> None:
     """Add the bodies of the mechanism, with joints and, if they move, inertia, to the editable MuJoCo model `spec`.
 
-    `masses` are the mass properties by part, `tilting_pins` is whether moving pins tilt.
+    `masses` are the mass properties by part, such as ``gear``; `tilting_pins` is whether moving pins tilt.
     """
     # MuJoCo factorises from the last degree of freedom backwards: each pin is coupled with the gear only, so with pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
@@ -106,7 +106,7 @@ def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        Position of the centre along z, and half width [m].
+        Position of the centre along z from the middle of all discs, and half width [m].
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
@@ -200,9 +200,9 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
 def _seat_user_data(reducer: Reducer, surfaces: Surfaces) -> list[float]:
     """Return the user data of a seat of a moving pin, which the collision function reads.
 
-    `surfaces` is the group of the seats. The numbers are the cosine and sine of half the arc of a socket, 0 for a
-    closed circle. Seats of tilting pins add the distance of their two planes of contact from their middle [m]. The list
-    is empty for bores, holes and closed seats.
+    `surfaces` is the group of the seats. The numbers are the cosine and sine of half the arc of a socket. Seats of
+    tilting pins add the distance of their two planes of contact from their middle [m], after two zeros if they are
+    closed circles. The list is empty for all other surfaces: bores, holes and closed seats.
     """
     half_angle, design = surfaces.half_angle, reducer.design
     arc = [np.cos(half_angle), np.sin(half_angle)] if half_angle < np.pi else []
@@ -228,5 +228,5 @@ def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
         flank_ends_of_lobe.valley_radius,
     )
     flank = Flank(curve, offset, rotation, *corners, errors.waves_in_use)
-    ring = curve._replace(radius=reducer.design.ring.pin_circle_radius)
-    return Teeth(flank, curvature_law.reference, curvature_law.constant, curvature_law.deflection, ring)
+    ring_curve = curve._replace(radius=reducer.design.ring.pin_circle_radius)
+    return Teeth(flank, curvature_law.reference, curvature_law.constant, curvature_law.deflection, ring_curve)

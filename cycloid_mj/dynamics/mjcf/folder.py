@@ -83,23 +83,23 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
         Results of runs of this model may not be those of the design.
     """
     settings, reducer = settings or ConvexSettings(), reducer.for_slices
-    mesh = mesh_spec(reducer, settings)
-    surface_errors = {surface.key: _check_surface(surface, settings) for surface in mesh.surfaces}
+    mesh_model = mesh_spec(reducer, settings)
+    surface_errors = {surface.key: _check_surface(surface, settings) for surface in mesh_model.surfaces}
     is_rv = isinstance(reducer, RvReducer)
     remainders = [] if is_rv else [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, remainder in enumerate(remainders, start=1):
-        add_remainder(mesh.spec, reducer, number, remainder)
-    servo_gains = _add_servo_and_load(mesh, reducer)
-    add_sensors(mesh.spec, reducer)
-    add_keyframes(mesh.spec, reducer)
-    mesh.spec.meshdir = ASSETS
-    compiled = reducer_model(mesh, reducer, servo_gains)
+        add_remainder(mesh_model.spec, reducer, number, remainder)
+    servo_gains = _add_servo_and_load(mesh_model, reducer)
+    add_sensors(mesh_model.spec, reducer)
+    add_keyframes(mesh_model.spec, reducer)
+    mesh_model.spec.meshdir = ASSETS
+    compiled = reducer_model(mesh_model, reducer, servo_gains)
     warn(reducer.design.name, compiled.warnings)
     if reducer.design.has_film:
         warn(reducer.design.name, (FILM_WARNING,))
-    files = {f"{ASSETS}/{name}": content for name, content in sorted(mesh.spec.assets.items())}
+    files = {f"{ASSETS}/{name}": content for name, content in sorted(mesh_model.spec.assets.items())}
     files[DESIGN] = dump(reducer.design).encode()
-    files[REDUCER] = _reducer_xml(mesh.spec, reducer).encode()
+    files[REDUCER] = _reducer_xml(mesh_model.spec, reducer).encode()
     files[SCENE] = scene_xml(reducer, REDUCER).encode()
     files[MANIFEST] = _manifest_json(reducer, settings, compiled.model, surface_errors, remainders, files).encode()
     return files
@@ -137,22 +137,24 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
     return surface_quality(surface)
 
 
-def _add_servo_and_load(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
-    """Add two actuators to an editable `mesh` model: the speed servo of the crank, and the torque on the output.
+def _add_servo_and_load(mesh_model: MeshSpec, reducer: Reducer) -> tuple[float, float]:
+    """Add two actuators to an editable `mesh_model`: the speed servo of the crank, and the torque on the output.
 
     Returns
     -------
     tuple of float
         Gains of the servo: kp, which is 0, and kv [N m s/rad].
     """
-    joint = mujoco.mjtTrn.mjTRN_JOINT
-    drive = mesh.spec.add_actuator(name=names.DRIVE, target=reducer.INPUT_JOINT, trntype=joint)
-    gain = mesh.crank_inertia * SPEED_SERVO.bandwidth
-    drive.set_to_velocity(kv=gain)
-    drive.forcelimited = True
-    drive.forcerange = np.array([-1.0, 1.0]) * SPEED_SERVO.torque_margin * reducer.design.drive.torque
-    load = mesh.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
-    load.set_to_motor()
+    joint_transmission = mujoco.mjtTrn.mjTRN_JOINT
+    drive_actuator = mesh_model.spec.add_actuator(
+        name=names.DRIVE, target=reducer.INPUT_JOINT, trntype=joint_transmission
+    )
+    gain = mesh_model.crank_inertia * SPEED_SERVO.bandwidth
+    drive_actuator.set_to_velocity(kv=gain)
+    drive_actuator.forcelimited = True
+    drive_actuator.forcerange = np.array([-1.0, 1.0]) * SPEED_SERVO.torque_margin * reducer.design.drive.torque
+    load_actuator = mesh_model.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint_transmission)
+    load_actuator.set_to_motor()
     return 0.0, gain
 
 
@@ -174,8 +176,8 @@ def _manifest_json(
 ) -> str:
     """Return the manifest of a MuJoCo model folder as JSON text: versions, hashes, settings, masses and mesh errors.
 
-    `model` is the compiled model. `surface_errors` are the errors of the sliced surfaces by name, `remainders` the
-    convex pieces behind them, `files` the contents of the other files by path, for their hashes.
+    `model` is the compiled model. `surface_errors` are the errors of the sliced surfaces by key, such as ``teeth``,
+    `remainders` the convex pieces behind them, `files` the contents of the other files by path, for their hashes.
     """
     design = reducer.design
     shafts = [names.SUN, *crank_names(reducer)] if isinstance(reducer, RvReducer) else [names.SHAFT]
@@ -185,7 +187,7 @@ def _manifest_json(
         names.OUTPUT,
         *([names.numbered_name(names.PIN, 1)] if design.ring.has_pin_bodies else []),
     ]
-    content = {
+    manifest = {
         "design": {"name": design.name, "sha256": design_hash(reducer)},
         "versions": {
             "cycloid_mj": __version__,
@@ -205,7 +207,7 @@ def _manifest_json(
         ],
         "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
     }
-    return json.dumps(content, indent=2) + "\n"
+    return json.dumps(manifest, indent=2) + "\n"
 
 
 def quality_um(quality: Quality) -> dict[str, float]:

@@ -21,7 +21,7 @@ def slice_law(law: ContactParameters, factor: float, surface_slice: Slice, force
     law
         Law of the entire line contact.
     factor
-        Stiffness K of the line contact at this slice over that of the law [1].
+        Stiffness K of a line contact with the curvature of this slice, over the stiffness of `law` [1].
     surface_slice
         The slice: its width, and curvature or radius and clearance.
     force

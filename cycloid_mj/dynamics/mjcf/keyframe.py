@@ -32,12 +32,12 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
     model = spec.compile()
     for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
         for angle in QUARTERS:
-            position, velocity = joint_state(reducer, math.radians(angle), speed)
+            position_by_joint, velocity_by_joint = joint_state(reducer, math.radians(angle), speed)
             qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
-            for joint in position:
-                qpos[model.joint(joint).qposadr[0]] = position[joint]
-            for joint in velocity:
-                qvel[model.joint(joint).dofadr[0]] = velocity[joint]
+            for joint in position_by_joint:
+                qpos[model.joint(joint).qposadr[0]] = position_by_joint[joint]
+            for joint in velocity_by_joint:
+                qvel[model.joint(joint).dofadr[0]] = velocity_by_joint[joint]
             ctrl = [speed if model.actuator(i).name == names.DRIVE else 0.0 for i in range(model.nu)]
             spec.add_key(name=keyframe_name(angle, speed), qpos=list(qpos), qvel=qvel, ctrl=ctrl)
 
@@ -59,16 +59,16 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
         return rv_motion(reducer, crank, speed)
     gear = reducer.tooth_profile
     disc_angle, disc_speed = float(reducer.member.gear_angle(crank)), float(reducer.member.gear_angle(speed))
-    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}
-    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(reducer.member.output_angle(speed))}
+    position_by_joint = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}
+    velocity_by_joint = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(reducer.member.output_angle(speed))}
     for disc, phase in zip(reducer.mechanism.discs, reducer.mechanism.phases, strict=True):
         x, y = (float(coordinate) for coordinate in gear_centre(gear, crank + phase))
-        position |= dict(zip(disc.joints, (x, y, disc_angle), strict=True))
-        velocity |= dict(zip(disc.joints, (-speed * y, speed * x, disc_speed), strict=True))
+        position_by_joint |= dict(zip(disc.joints, (x, y, disc_angle), strict=True))
+        velocity_by_joint |= dict(zip(disc.joints, (-speed * y, speed * x, disc_speed), strict=True))
     if not reducer.is_ideal:
         for joint, shift in _best_fit_shifts(reducer, crank).items():
-            position[joint] = position.get(joint, 0.0) + shift
-    return position, velocity
+            position_by_joint[joint] = position_by_joint.get(joint, 0.0) + shift
+    return position_by_joint, velocity_by_joint
 
 
 IDLE = 1e-3
@@ -92,12 +92,12 @@ def _best_fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
     frame that does not move, except that those of pins are in the frame of the ring. `crank` is the crank angle [rad].
     """
     resting_fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
-    cos, sin = math.cos(angle), math.sin(angle)
+    cosine, sine = math.cos(angle), math.sin(angle)
     shifts: dict[str, float] = {}
     for disc, (x, y), rotation in zip(
         reducer.mechanism.discs, resting_fit.shift.tolist(), resting_fit.gear_turn.tolist(), strict=True
     ):
-        shifts |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, rotation), strict=True))
+        shifts |= dict(zip(disc.joints, (x * cosine - y * sine, x * sine + y * cosine, rotation), strict=True))
     for pin, shift in zip(reducer.mechanism.pins, resting_fit.pin_shift, strict=False):
         shifts |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
     return shifts | {names.OUTPUT_JOINT: resting_fit.output_turn}

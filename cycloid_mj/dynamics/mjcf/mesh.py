@@ -126,11 +126,11 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
             f'{design.name}: friction.law = "film" needs exact profiles, not convex meshes. Use --contact profile, or '
             'set friction.law = "coulomb"'
         )
-    mesh = mesh_spec(reducer, settings or ConvexSettings())
-    gains = add_actuators(mesh.spec, mesh.crank_inertia)
-    add_sensors(mesh.spec, reducer)
-    each_step.add_sensor(mesh.spec)
-    return reducer_model(mesh, reducer, gains)
+    mesh_model = mesh_spec(reducer, settings or ConvexSettings())
+    gains = add_actuators(mesh_model.spec, mesh_model.crank_inertia)
+    add_sensors(mesh_model.spec, reducer)
+    each_step.add_sensor(mesh_model.spec)
+    return reducer_model(mesh_model, reducer, gains)
 
 
 def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
@@ -176,12 +176,12 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
     sliced_surfaces = surfaces(reducer, settings)
-    collision = spec.add_default(COLLISION, spec.default)
-    collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
-    own_discs = {surface.disc for surface in sliced_surfaces if surface.disc}
+    collision_default = spec.add_default(COLLISION, spec.default)
+    collision_default.geom.group, collision_default.geom.contype, collision_default.geom.conaffinity = 3, 0, 0
+    discs_with_own_teeth = {surface.disc for surface in sliced_surfaces if surface.disc}
     for surface in sliced_surfaces:
         discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
-        equal_discs = [disc for disc in discs if surface.name != names.TEETH or disc not in own_discs]
+        equal_discs = [disc for disc in discs if surface.name != names.TEETH or disc not in discs_with_own_teeth]
         _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else equal_discs, laws, weights, settings)
     _add_round_parts(spec, reducer)
     if isinstance(reducer, RvReducer):
@@ -231,15 +231,15 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
 
 def _add_visuals(spec: Any, reducer: Reducer) -> None:
     """Add meshes and materials of all parts to the editable model `spec`, for viewers, at all their positions."""
-    visual = spec.add_default(VISUAL, spec.default)
-    visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
-    visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
+    visual_default = spec.add_default(VISUAL, spec.default)
+    visual_default.geom.group, visual_default.geom.contype, visual_default.geom.conaffinity = 2, 0, 0
+    visual_default.geom.type = mujoco.mjtGeom.mjGEOM_MESH
     for part, solid in visible_solids(reducer).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = MESH_CONTACT.output_opacity if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
         for body, position in _part_positions(reducer, part):
-            spec.body(body).add_geom(visual, meshname=part, material=part, pos=position)
+            spec.body(body).add_geom(visual_default, meshname=part, material=part, pos=position)
 
 
 def _part_positions(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
@@ -250,24 +250,24 @@ def _part_positions(reducer: Reducer, part: str) -> Iterator[tuple[str, list[flo
     tuple
         Name of the body, and position of the copy in its frame (x, y, z) [m].
     """
-    visible = [
+    visible_copies = [
         (body.name, position)
         for body in reducer.mechanism.bodies
         for shown_part, position in list_visible_parts(reducer, body)
         if shown_part == part
     ]
-    for body, position in visible:
+    for body, position in visible_copies:
         yield body, mujoco_position(position[:2], float(position[2]))
-    if not visible:  # pins that do not move belong to the housing
-        ring = reducer.tooth_profile
-        for position in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
+    if not visible_copies:  # pins that do not move belong to the housing
+        tooth_profile = reducer.tooth_profile
+        for position in tooth_profile.pin_circle_radius * profile.unit(profile.pin_angles(tooth_profile)):
             yield names.HOUSING, mujoco_position(position)
 
 
 def _add_stl(spec: Any, name: str, content: bytes, inertia: Any = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX) -> None:
-    file = f"{name}.stl"
-    spec.assets[file] = content
-    spec.add_mesh(name=name, file=file, inertia=inertia)
+    file_name = f"{name}.stl"
+    spec.assets[file_name] = content
+    spec.add_mesh(name=name, file=file_name, inertia=inertia)
 
 
 def _sub_default(spec: Any, name: str) -> Any:
@@ -285,11 +285,11 @@ def _add_surface(
 ) -> None:
     """Add the meshes of a surface's convex slices, and their geoms on each disc, to the editable model `spec`.
 
-    `discs` are the indices of the discs; for surfaces of the ring, it has the index 0 only. `laws` are the contact laws
-    by disc, `weights` MuJoCo's inverse weights by body [1/kg], and `settings` those of the slices.
+    `discs` are the indices of the discs; surfaces of the ring have the index 0 only. `laws` are the contact laws by
+    disc, `weights` MuJoCo's inverse weights by body [1/kg], and `settings` those of the slices.
     """
-    for number, _ in enumerate(surface.slices):
-        _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
+    for index in range(len(surface.slices)):
+        _add_stl(spec, f"{surface.key}_{index + 1}", stl_bytes(mesh(prism(surface, index))))
     for disc in discs:
         # the holes of each disc have errors of their own
         disc_surface = gear_holes(reducer, settings, disc) if surface.name == "hole" and disc else surface
@@ -305,10 +305,10 @@ def _add_slices(
     explicit pairs, all others by the bits of contype and conaffinity. `laws` are the contact laws by disc, `weights`
     MuJoCo's inverse weights by body [1/kg].
     """
-    design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
+    design, carriers, disc_count = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
     reducer = reducer_of(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
-    copies = discs if surface.name in _OF_DISCS else 1
+    copy_count = disc_count if surface.name in _OF_DISCS else 1
     curvature_law, force = reducer.contacts.teeth.curvature_law, reducer.contacts[kind].force
     mating = reducer.mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
@@ -316,30 +316,30 @@ def _add_slices(
     inverse_weight = weights[carriers[first_pair.on]] + weights[carriers[first_pair.by]]
     law = laws[disc][kind]
     has_friction = kind != design.tooth_pair and law.friction > 0.0
-    defaults = []
-    for number, surface_slice in enumerate(surface.slices):
-        name = f"{surface.name}_{number + 1}"
+    slice_defaults = []
+    for number, surface_slice in enumerate(surface.slices, start=1):
+        name = f"{surface.name}_{number}"
         factor = curvature_law.factor(surface_slice.curvature) if kind == design.tooth_pair else 1.0
         parameters = solver_parameters(
             slice_law(law, factor, surface_slice, force), inverse_weight, spec.option.impratio, name
         )
-        default = _sub_default(spec, names.of_disc(name, disc, copies))
-        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
+        slice_default = _sub_default(spec, names.of_disc(name, disc, copy_count))
+        slice_default.geom.type, slice_default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number}"
         if has_friction:
-            _set_pair_contact(default.pair, parameters)
+            _set_pair_contact(slice_default.pair, parameters)
         else:
-            _set_geom_contact(default.geom, parameters, surface.name, surface_slice.width, disc)
-        defaults.append(default)
+            _set_geom_contact(slice_default.geom, parameters, surface.name, surface_slice.width, disc)
+        slice_defaults.append(slice_default)
     phase = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
-    counts: dict[int, int] = {}
+    slice_counts: dict[int, int] = {}
     for placement in surface.places:
-        counts[placement.member] = counts.get(placement.member, 0) + 1
-        surface_name = names.of_disc(surface_stem(surface.name, placement.member), disc, copies)
-        name = f"{surface_name}/{placement.member}/{counts[placement.member]}"
+        slice_counts[placement.member] = slice_counts.get(placement.member, 0) + 1
+        surface_name = names.of_disc(surface_stem(surface.name, placement.member), disc, copy_count)
+        name = f"{surface_name}/{placement.member}/{slice_counts[placement.member]}"
         pose = {"pos": [*placement.centre, 0.0], "quat": _slice_quaternion(placement, phase)}
-        spec.body(carriers[surface_name]).add_geom(defaults[placement.slice], name=name, **pose)
+        spec.body(carriers[surface_name]).add_geom(slice_defaults[placement.slice], name=name, **pose)
         if has_friction:
-            spec.add_pair(defaults[placement.slice], geomname1=name, geomname2=mates[surface_name])
+            spec.add_pair(slice_defaults[placement.slice], geomname1=name, geomname2=mates[surface_name])
 
 
 def _set_geom_contact(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
@@ -358,10 +358,10 @@ def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
 def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
     """Return MuJoCo's contype and conaffinity of a slice of a surface, or of the convex hull of a tooth or lobe tip.
 
-    Tips of the gear collide with the roots of an internal gear, its valleys do not. The hull of a lobe's tip collides
-    with objects outside the reducer only: for the gear, the capsule with the arc of the lobe is exact and quicker.
-    `surface` is ``teeth``, ``lobe``, ``socket``, ``bore`` or ``hole``, `width` [m] that of the slice, infinite for a
-    hull, and `disc` the index of the disc.
+    Both consist of bits such as `ROOTS`. Hulls of the gear's tips collide with the roots of an internal gear, slices of
+    its valleys do not. The hull of a lobe's tip collides with objects outside the reducer only: for the gear, the
+    capsule with the arc of the lobe is exact and quicker. `surface` is ``teeth``, ``lobe``, ``socket``, ``bore`` or
+    ``hole``, `width` [m] that of the slice, infinite for a hull, and `disc` the index of the disc.
     """
     is_hull = not np.isfinite(width)
     if surface == "lobe":
@@ -373,17 +373,17 @@ def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
 
 def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     """Add cams, output pins, and ring pins or the arcs of lobes to the editable model `spec`, as capsules."""
-    design, collision = reducer.design, spec.find_default(COLLISION)
-    kinds = [(design.tooth_pair, TEETH | SOCKETS, 0)]
+    design, collision_default = reducer.design, spec.find_default(COLLISION)
+    bits_by_kind = [(design.tooth_pair, TEETH | SOCKETS, 0)]
     if not isinstance(reducer, RvReducer):
-        kinds += [*(("cam", BORES[disc], disc) for disc in range(design.gear.discs)), ("output", HOLES, 0)]
-    for kind, bits, disc in kinds:
+        bits_by_kind += [*(("cam", BORES[disc], disc) for disc in range(design.gear.discs)), ("output", HOLES, 0)]
+    for kind, bits, disc in bits_by_kind:
         round_parts = reducer.mechanism.mating(kind, disc).by
         centre_z, half_width = axial_extent(reducer, round_parts)
         half_length = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
         for index, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[index]).add_geom(
-                collision,
+                collision_default,
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
                 size=[round_parts.radius[index], half_length, 0.0],
@@ -392,7 +392,10 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
             )
 
 
-def _slice_quaternion(placement: SlicePlacement, ahead: float) -> list[float]:
-    """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
-    w, _, _, z = clockwise_quaternion(placement.angle + ahead)
+def _slice_quaternion(placement: SlicePlacement, rotation: float) -> list[float]:
+    """Return the quaternion of a slice on teeth that are rotated clockwise by `rotation` [rad].
+
+    A mirrored slice is rotated by half a turn about its y axis in addition.
+    """
+    w, _, _, z = clockwise_quaternion(placement.angle + rotation)
     return [0.0, -z, w, 0.0] if placement.mirrored else [w, 0.0, 0.0, z]

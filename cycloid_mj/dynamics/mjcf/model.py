@@ -67,8 +67,9 @@ class ReducerModel:
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        freedoms, contacts = self.model.nv, len(self.pairs)
-        return f"<ReducerModel: {freedoms} freedoms, {contacts} mating pairs, steps of {1e6 * self.timestep:.3g} us>"
+        freedom_count, pair_count = self.model.nv, len(self.pairs)
+        step = 1e6 * self.timestep
+        return f"<ReducerModel: {freedom_count} freedoms, {pair_count} mating pairs, steps of {step:.3g} us>"
 
     @property
     def timestep(self) -> float:
@@ -125,15 +126,17 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
         )
     add_bodies(spec, reducer, masses, tilting_pins=reducer.design.has_tilting_pins)
     add_shapes(spec, reducer)
-    crank = crank_inertia(reducer, masses)
-    inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
-    gains = add_actuators(spec, inertias[held], held, reducer.INPUT_JOINT)
+    driven_inertia = crank_inertia(reducer, masses)
+    servo_inertias = {"crank": driven_inertia, "output": output_inertia(reducer), "": 0.0}
+    gains = add_actuators(spec, servo_inertias[held], held, reducer.INPUT_JOINT)
     add_sensors(spec, reducer)
     each_step.add_sensor(spec, reducer.design.contact.law == "impact" or reducer.design.has_film)
     if reducer.design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.mechanism.pairs, laws)
-    return add_warnings(ReducerModel(spec, model, reducer.mechanism.pairs, stiffest(laws), gains, crank), reducer)
+    return add_warnings(
+        ReducerModel(spec, model, reducer.mechanism.pairs, stiffest(laws), gains, driven_inertia), reducer
+    )
 
 
 def add_warnings(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
@@ -230,12 +233,12 @@ def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
         elements.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
     model = spec.compile()
     for pair, element in zip(pairs, elements, strict=True):
-        bodies = [model.geom(attribute).bodyid[0] for attribute in (pair.on, pair.by)]
+        bodies = [model.geom(geom).bodyid[0] for geom in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio, pair.name)
         pair_id = model.pair(pair.name).id
         for attribute in ("friction", "solref", "solreffriction", "solimp"):
-            value = getattr(parameters, attribute)
-            setattr(element, attribute, list(value))
-            getattr(model, f"pair_{attribute}")[pair_id] = value
+            numbers = getattr(parameters, attribute)
+            setattr(element, attribute, list(numbers))
+            getattr(model, f"pair_{attribute}")[pair_id] = numbers
     return model

@@ -43,7 +43,7 @@ def add_sensors(spec: Any, reducer: Reducer) -> None:
 
 
 def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
-    """Return the memory addresses in ``MjData`` of all sensor values, in the order of the log's columns."""
+    """Return the memory addresses in ``MjData`` of all sensor values, in the order of `sensors`."""
     getters = {
         "position": lambda name: data.joint(name).qpos,
         "speed": lambda name: data.joint(name).qvel,
@@ -86,6 +86,6 @@ def _planar_sensors(body: Body, selected: slice = slice(0, 3)) -> Iterator[_Sens
     joints = names.planar_joints(body.name)[selected]
     for joint, unit in zip(joints, units, strict=True):
         yield _Sensor(topic, joint, unit, "position", joint)
-    speeds = zip(joints, names.planar_speeds(body.name)[selected], speed_units, strict=True)
-    for joint, column, unit in list(speeds)[first_speed:]:
+    speed_columns = zip(joints, names.planar_speeds(body.name)[selected], speed_units, strict=True)
+    for joint, column, unit in list(speed_columns)[first_speed:]:
         yield _Sensor(topic, column, unit, "speed", joint)

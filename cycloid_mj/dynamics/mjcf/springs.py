@@ -46,26 +46,30 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
     for disc, plane in enumerate(reducer.design.gear.disc_planes):
         mating = reducer.mechanism.mating(names.CRANK_BEARING, disc)
         for i, name in enumerate(mating.names):
-            for part in (mating.on, mating.by):
-                position = mujoco_position(part.position[i], plane - reducer.mechanism.body(part.bodies[i]).plane)
-                spec.body(part.bodies[i]).add_site(name=part.names[i], pos=position, group=4)
+            for surfaces in (mating.on, mating.by):
+                position = mujoco_position(
+                    surfaces.position[i], plane - reducer.mechanism.body(surfaces.bodies[i]).plane
+                )
+                spec.body(surfaces.bodies[i]).add_site(name=surfaces.names[i], pos=position, group=4)
             clearance, law = reducer.bearing_clearance, laws[names.CRANK_BEARING]
             tendon = _add_spring(spec, name, law, 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)
             tendon.wrap_site(mating.on.names[i])
             tendon.wrap_site(mating.by.names[i])
-    mesh = reducer.planet_mesh
+    planet_mesh = reducer.planet_mesh
     for crank, name in zip(crank_names(reducer), reducer.mechanism.mating(names.PLANET_MESH).names, strict=True):
-        tendon = _add_spring(spec, name, laws[names.PLANET_MESH], -mesh.half_backlash, mesh.half_backlash)
-        tendon.wrap_joint(SUN_ANGLE, significant(mesh.sun_base))
-        tendon.wrap_joint(crank_joint(crank), significant(mesh.planet_base))
+        tendon = _add_spring(spec, name, laws[names.PLANET_MESH], -planet_mesh.half_backlash, planet_mesh.half_backlash)
+        tendon.wrap_joint(SUN_ANGLE, significant(planet_mesh.sun_base))
+        tendon.wrap_joint(crank_joint(crank), significant(planet_mesh.planet_base))
         if not reducer.design.output.turns_ring:
-            tendon.wrap_joint(names.OUTPUT_JOINT, -significant(mesh.sun_base))
+            tendon.wrap_joint(names.OUTPUT_JOINT, -significant(planet_mesh.sun_base))
 
 
-def _add_spring(spec: Any, name: str, law: ContactParameters, low: float, high: float, count: float = 1.0) -> Any:
-    """Add a tendon that is slack between two lengths [m], with `count` springs of a law; return it."""
+def _add_spring(
+    spec: Any, name: str, law: ContactParameters, min_length: float, max_length: float, spring_count: float = 1.0
+) -> Any:
+    """Add a tendon that is slack between two lengths [m], with `spring_count` springs of a law; return it."""
     tendon = spec.add_tendon(name=name, group=4)
-    tendon.stiffness = [significant(count * law.stiffness), 0.0, 0.0]
-    tendon.damping = [significant(count * law.damping), 0.0, 0.0]
-    tendon.springlength = [low, max(low, high)]
+    tendon.stiffness = [significant(spring_count * law.stiffness), 0.0, 0.0]
+    tendon.damping = [significant(spring_count * law.damping), 0.0, 0.0]
+    tendon.springlength = [min_length, max(min_length, max_length)]
     return tendon

@@ -98,9 +98,9 @@ _onset, _roller_contact = njit(roller_needles.onset), njit(roller_needles.roller
 
 def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
-    discs, teeth = len(system.offset), len(system.ring_centres)
+    disc_count, tooth_count = len(system.offset), len(system.ring_centres)
     per_tooth = MAX_TOUCHES if system.lobes else 1
-    max_contacts = discs * teeth * per_tooth + 2 * teeth * len(system.pin_mass)
+    max_contacts = disc_count * tooth_count * per_tooth + 2 * tooth_count * len(system.pin_mass)
     max_contacts += len(system.cams) * (1 + len(system.studs)) + system.bearing_contacts + 2 * system.cranks
     return np.zeros(max_contacts, dtype=CONTACT)
 
@@ -136,42 +136,50 @@ def find_contacts(
     scratch, contacts
         Working memory for contacts of a pair, shape (``MAX_TOUCHES``, ``STRIDE`` / 8); array of `allocate_contacts`.
     """
-    discs, teeth, crank = len(system.offset), len(system.ring_centres), system.shafts[1]
-    ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
-    crank_pose, address = shaft_pose(q, crank), np.int64(scratch.ctypes.data)
+    disc_count, tooth_count, crank_unknown = len(system.offset), len(system.ring_centres), system.shafts[1]
+    ring_pose, carrier_pose = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
+    crank_pose, scratch_address = shaft_pose(q, crank_unknown), np.int64(scratch.ctypes.data)
     count, pair = NONE, NONE
-    for disc in range(discs):
+    for disc in range(disc_count):
         mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft, NONE)
         if lobes is not None:
-            count = _find_lobe_contacts(system, lobes, contacts, count, mating, ring, address, q, v, half_step)
+            count = _find_lobe_contacts(
+                system, lobes, contacts, count, mating, ring_pose, scratch_address, q, v, half_step
+            )
         else:
-            count = _find_pin_contacts(system, contacts, count, mating, ring, q, v, half_step)
-        pair += teeth
+            count = _find_pin_contacts(system, contacts, count, mating, ring_pose, q, v, half_step)
+        pair += tooth_count
     if system.free:
         for plane in range(len(system.pin_mass)):
-            count = _find_seat_contacts(system, contacts, count, pair, plane, ring, address, q, v, half_step)
-        pair += teeth
+            count = _find_seat_contacts(
+                system, contacts, count, pair, plane, ring_pose, scratch_address, q, v, half_step
+            )
+        pair += tooth_count
     bore = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
-        mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank, NONE)
+        mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank_unknown, NONE)
         pair += 1
         cam_x, cam_y = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         if system.needles:
             count = _find_needle_contacts(system, contacts, count, mating, cam_x, cam_y, q, v, half_step)
             continue
         cam = Round(cam_x, cam_y, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        count += _find_round_contacts(system, contacts, count, mating, cam, bore, _CAM, 1.0, address, q, v, half_step)
+        count += _find_round_contacts(
+            system, contacts, count, mating, cam, bore, _CAM, 1.0, scratch_address, q, v, half_step
+        )
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
-        frame = disc_pose(q, 3 * disc, 0.0)
+        pose_of_disc = disc_pose(q, 3 * disc, 0.0)
         for stud_index in range(len(system.studs)):
             mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft, NONE)
             pair += 1
-            stud_x, stud_y = outwards(carrier, system.studs[stud_index, 0], system.studs[stud_index, 1])
-            hole_x, hole_y = outwards(frame, system.holes[disc, stud_index, 0], system.holes[disc, stud_index, 1])
-            pin = Round(stud_x, stud_y, frame.x + hole_x, frame.y + hole_y, system.stud, 1.0)
+            stud_x, stud_y = outwards(carrier_pose, system.studs[stud_index, 0], system.studs[stud_index, 1])
+            hole_x, hole_y = outwards(
+                pose_of_disc, system.holes[disc, stud_index, 0], system.holes[disc, stud_index, 1]
+            )
+            pin = Round(stud_x, stud_y, pose_of_disc.x + hole_x, pose_of_disc.y + hole_y, system.stud, 1.0)
             new_contacts = _find_round_contacts(
-                system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
+                system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, scratch_address, q, v, half_step
             )
             for i in range(new_contacts if system.roller_needles.needles else 0):
                 _add_needle_compliance(system, contacts[count + i], mating.law, q, v, half_step)
@@ -188,9 +196,9 @@ def _add_needle_compliance(system: System, contact: Contact, law: Any, q: Array,
     all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and `half_step` is half of the time step [s].
     """
     needles = system.roller_needles
-    carrier = q[system.stud_shaft] if system.stud_shaft >= 0 else 0.0
-    cage = carrier + needles.cage_ratio * (q[system.shafts[1]] - carrier)
-    angle = math.atan2(-contact.nx, contact.ny) - cage
+    carrier_angle = q[system.stud_shaft] if system.stud_shaft >= 0 else 0.0
+    cage_angle = carrier_angle + needles.cage_ratio * (q[system.shafts[1]] - carrier_angle)
+    angle = math.atan2(-contact.nx, contact.ny) - cage_angle
     onset_approach, approach, factor = _onset(needles, angle), needles.clearance - contact.gap, 1.0
     contact.gap = onset_approach - approach
     if approach > onset_approach:
@@ -209,40 +217,40 @@ def _find_needle_contacts(
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
-    cx: float,
-    cy: float,
+    cam_x: float,
+    cam_y: float,
     q: Array,
     v: Array,
     half_step: float,
 ) -> int:
     """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
 
-    `system` is the reducer as arrays. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the cam,
-    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and
+    `system` is the reducer as arrays. `mating` is the pair of bore and cam, (`cam_x`, `cam_y`) [m] is the centre of the
+    cam, `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and
     `half_step` is half of the time step [s].
     """
-    dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
+    dx, dy, clearance = cam_x - q[mating.disc], cam_y - q[mating.disc + 1], system.bore - system.cam
     disc_rotation = q[mating.disc + 2]
-    cage, spacing = (
+    cage_angle, spacing = (
         disc_rotation + system.cage_ratio * (q[mating.shaft] - disc_rotation),
         2.0 * math.pi / system.needles,
     )
-    share = resultant_share(dx, dy, clearance, cage, system.needles)
+    friction_share = resultant_share(dx, dy, clearance, cage_angle, system.needles)
     for needle in range(system.needles):
-        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        nx, ny = -math.sin(cage_angle + needle * spacing), math.cos(cage_angle + needle * spacing)
         gap, contact = clearance - dx * nx - dy * ny, contacts[count]
         contact_radius = system.cam + 0.5 * gap
         _fill_contact(
             contact,
             mating,
-            Touch(gap, cx + contact_radius * nx, cy + contact_radius * ny, 1.0, nx, ny),
+            Touch(gap, cam_x + contact_radius * nx, cam_y + contact_radius * ny, 1.0, nx, ny),
             1.0,
             q,
             v,
             half_step,
         )
         set_film_friction(system, contact, _CAM, 1.0, v)
-        scale_friction(contact, share, v)
+        scale_friction(contact, friction_share, v)
         count += 1
     return count
 
@@ -278,7 +286,7 @@ def _find_lobe_contacts(
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
-    ring: Pose,
+    ring_pose: Pose,
     scratch_address: int,
     q: Array,
     v: Array,
@@ -287,22 +295,24 @@ def _find_lobe_contacts(
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
     `system` is the reducer as arrays, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and the
-    first lobe, `ring` the pose of the ring, `scratch_address` the memory address of the `scratch` of `find_contacts`.
-    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step`
-    is half of the time step [s].
+    first lobe, `ring_pose` the pose of the ring, `scratch_address` the memory address of the `scratch` of
+    `find_contacts`. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s,
+    rad/s], `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
     for lobe in range(len(lobes)):
-        pair = MatingSurfaces(mating.pair + lobe, mating.law, mating.disc, -1, mating.shaft, NONE)
-        lobe_x, lobe_y = outwards(ring, system.ring_centres[lobe, 0], system.ring_centres[lobe, 1])
-        cosine, sine = outwards(ring, system.outward[lobe, 1], -system.outward[lobe, 0])
+        lobe_pair = MatingSurfaces(mating.pair + lobe, mating.law, mating.disc, -1, mating.shaft, NONE)
+        lobe_x, lobe_y = outwards(ring_pose, system.ring_centres[lobe, 0], system.ring_centres[lobe, 1])
+        cosine, sine = outwards(ring_pose, system.outward[lobe, 1], -system.outward[lobe, 0])
         for touch in range(
             lobe_touches(
                 scratch_address, teeth, lobes[lobe], Pose(lobe_x, lobe_y, cosine, sine), gear, CONTACT_SEARCH.margin
             )
         ):
-            _fill_contact(contacts[count], pair, read_touch(scratch_address + STRIDE * touch), -1.0, q, v, half_step)
+            _fill_contact(
+                contacts[count], lobe_pair, read_touch(scratch_address + STRIDE * touch), -1.0, q, v, half_step
+            )
             set_film_friction(system, contacts[count], _TEETH, phase_cosine(lobe_x, lobe_y, gear.x, gear.y), v)
             count += 1
     return count
@@ -314,16 +324,16 @@ def _find_pin_contacts(
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
-    ring: Pose,
+    ring_pose: Pose,
     q: Array,
     v: Array,
     half_step: float,
 ) -> int:
     """Write the contacts of a disc and all ring pins to `contacts` after `count` others; return the new number.
 
-    `system` is the reducer as arrays. `mating` is the pair of the disc and the first pin, `ring` the pose of the ring.
-    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step`
-    is half of the time step [s].
+    `system` is the reducer as arrays. `mating` is the pair of the disc and the first pin, `ring_pose` the pose of the
+    ring. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s],
+    `half_step` is half of the time step [s].
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
     gear, teeth, pin_values = (
@@ -339,7 +349,7 @@ def _find_pin_contacts(
             pin_unknown, shaft = first_pin + (2 * plane_count + 1) * pin_index, -1
             pin_x, pin_y = q[pin_unknown + shift], q[pin_unknown + shift + 1]
         else:
-            pin_x, pin_y = outwards(ring, system.ring_centres[pin_index, 0], system.ring_centres[pin_index, 1])
+            pin_x, pin_y = outwards(ring_pose, system.ring_centres[pin_index, 0], system.ring_centres[pin_index, 1])
         pin = RingPin(
             pin_values[pin_index, 0],
             pin_values[pin_index, 1],
@@ -352,8 +362,8 @@ def _find_pin_contacts(
         if not pin_contact.exists:
             continue
         contact, touch = contacts[count], pin_contact.touch
-        pair = MatingSurfaces(mating.pair + pin_index, mating.law, mating.disc, pin_unknown, shaft, shift)
-        _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
+        pin_pair = MatingSurfaces(mating.pair + pin_index, mating.law, mating.disc, pin_unknown, shaft, shift)
+        _fill_contact(contact, pin_pair, touch, -1.0, q, v, half_step)
         set_film_friction(system, contact, _TEETH, phase_cosine(pin_x, pin_y, gear.x, gear.y), v)
         count += 1
         if system.free:
@@ -369,9 +379,9 @@ def _find_seat_contacts(
     system: System,
     contacts: Contacts,
     count: int,
-    pair: int,
+    first_pair: int,
     plane: int,
-    ring: Pose,
+    ring_pose: Pose,
     scratch_address: int,
     q: Array,
     v: Array,
@@ -379,22 +389,22 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `system` is the reducer as arrays. `pair` is the index of the first pin's pair, `plane` that of the disc in whose
-    plane the contacts are, `ring` the pose of the ring, `scratch_address` the memory address of the `scratch` of
-    `find_contacts`. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s,
-    rad/s], `half_step` is half of the time step [s].
+    `system` is the reducer as arrays. `first_pair` is the index of the first pin's pair, `plane` that of the disc in
+    whose plane the contacts are, `ring_pose` the pose of the ring, `scratch_address` the memory address of the
+    `scratch` of `find_contacts`. `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m,
+    rad, m/s, rad/s], `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for seat in range(len(system.ring_centres)):
         pin_unknown = first_pin + (2 * len(system.pin_mass) + 1) * seat
         pin_x, pin_y = q[pin_unknown + shift], q[pin_unknown + shift + 1]
-        mating = MatingSurfaces(pair + seat, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft, shift)
-        seat_x, seat_y = outwards(ring, system.ring_centres[seat, 0], system.ring_centres[seat, 1])
+        mating = MatingSurfaces(first_pair + seat, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft, shift)
+        seat_x, seat_y = outwards(ring_pose, system.ring_centres[seat, 0], system.ring_centres[seat, 1])
         if system.sleeved:
             outer = PartialCircle(system.outer[seat], 0.0, 1.0, -1.0, 0.0)
             inner = Round(seat_x, seat_y, pin_x, pin_y, system.inner[seat], 1.0)
         else:
-            outward_x, outward_y = outwards(ring, system.outward[seat, 0], system.outward[seat, 1])
+            outward_x, outward_y = outwards(ring_pose, system.outward[seat, 0], system.outward[seat, 1])
             outer = PartialCircle(system.outer[seat], outward_x, outward_y, system.arc[0], system.arc[1])
             inner = Round(pin_x, pin_y, seat_x, seat_y, system.inner[seat], -1.0)
         cosine = _largest_force_phase_cosine(contacts, count, pin_unknown, shift) if system.film.size else 1.0
@@ -408,15 +418,15 @@ def _find_seat_contacts(
 def _largest_force_phase_cosine(contacts: Contacts, count: int, pin_unknown: int, shift: int) -> float:
     """Return the cosine of the phase [1] of a moving pin relative to the disc that presses on it most; 1 without force.
 
-    `pin_unknown` is the index of the pin's first unknown, `shift` the number of unknowns to those in the plane of the
-    seat. The phase is the angle between the directions of pin and disc from the axis. Only the first `count` contacts,
-    those with discs, in this plane are considered.
+    The phase is the angle between the directions of pin and disc from the axis. The pin is that whose first unknown has
+    the index `pin_unknown`. Of the first `count` contacts, those with a disc in the plane of the seat are considered,
+    whose x follows the first unknown of the pin by `shift` (`plane_shift`).
     """
     largest_force, cosine = -1.0, 1.0
     for contact_index in range(count):
         contact = contacts[contact_index]
-        is_same = contact.pin == pin_unknown and contact.pin_shift == shift
-        if is_same and contact.disc >= 0 and contact.normal_force > largest_force:
+        is_of_seat = contact.pin == pin_unknown and contact.pin_shift == shift
+        if is_of_seat and contact.disc >= 0 and contact.normal_force > largest_force:
             largest_force, cosine = contact.normal_force, contact.cosine
     return cosine
 
@@ -449,8 +459,8 @@ def plane_shift(plane: int) -> int:
 @njit
 def shaft_pose(q: Array, shaft: int) -> Pose:
     """Return the pose of a body that rotates about the axis of the reducer by an unknown; -1 stands for no rotation."""
-    turn = q[shaft] if shaft >= 0 else 0.0
-    return Pose(0.0, 0.0, math.cos(turn), math.sin(turn))
+    rotation = q[shaft] if shaft >= 0 else 0.0
+    return Pose(0.0, 0.0, math.cos(rotation), math.sin(rotation))
 
 
 @njit
@@ -566,8 +576,8 @@ def _fill_contact(
         arm_x, arm_y = touch.x - q[mating.disc], touch.y - q[mating.disc + 1]
         contact.disc_normal, contact.disc_tangent = arm_x * ny - arm_y * nx, arm_x * nx + arm_y * ny
     if mating.pin >= 0:
-        x, y = mating.pin + mating.pin_shift, mating.pin + mating.pin_shift + 1
-        arm_x, arm_y = touch.x - q[x], touch.y - q[y]
+        x_unknown, y_unknown = mating.pin + mating.pin_shift, mating.pin + mating.pin_shift + 1
+        arm_x, arm_y = touch.x - q[x_unknown], touch.y - q[y_unknown]
         contact.pin_normal, contact.pin_tangent = arm_x * ny - arm_y * nx, arm_x * nx + arm_y * ny
     if mating.shaft >= 0:
         contact.shaft_normal = touch.y * nx - touch.x * ny
@@ -624,9 +634,9 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
         stiffness = law.stiffness * factor
         return -stiffness * gap - law.damping * speed, stiffness * half_step + law.damping, law.damping
     depth = max(-gap, impact.MIN_DEPTH)
-    spring = _spring(depth, law.impact, law.exponent)
+    spring_force = _spring(depth, law.impact, law.exponent)
     damping = _damper(depth, law.impact_damping, law.impact_depth)
-    return spring - damping * speed, law.exponent * spring / depth * half_step + damping, damping
+    return spring_force - damping * speed, law.exponent * spring_force / depth * half_step + damping, damping
 
 
 @njit
@@ -643,21 +653,21 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     """
     disc, pin, shaft, crank = contact.disc, contact.pin, contact.shaft, contact.crank
     nx, ny = contact.nx, contact.ny
-    normal, tangent = 0.0, 0.0
+    normal_speed, tangential_speed = 0.0, 0.0
     if disc >= 0:
-        normal += nx * v[disc] + ny * v[disc + 1] + contact.disc_normal * v[disc + 2]
-        tangent += nx * v[disc + 1] - ny * v[disc] + contact.disc_tangent * v[disc + 2]
+        normal_speed += nx * v[disc] + ny * v[disc + 1] + contact.disc_normal * v[disc + 2]
+        tangential_speed += nx * v[disc + 1] - ny * v[disc] + contact.disc_tangent * v[disc + 2]
     if pin >= 0:
         vx, vy = v[pin + contact.pin_shift], v[pin + contact.pin_shift + 1]
-        normal += contact.side * (nx * vx + ny * vy + contact.pin_normal * v[pin + 2])
-        tangent += contact.side * (nx * vy - ny * vx + contact.pin_tangent * v[pin + 2])
+        normal_speed += contact.side * (nx * vx + ny * vy + contact.pin_normal * v[pin + 2])
+        tangential_speed += contact.side * (nx * vy - ny * vx + contact.pin_tangent * v[pin + 2])
     if shaft >= 0:
-        normal += contact.shaft_normal * v[shaft]
-        tangent += contact.shaft_tangent * v[shaft]
+        normal_speed += contact.shaft_normal * v[shaft]
+        tangential_speed += contact.shaft_tangent * v[shaft]
     if crank >= 0:
-        normal += contact.crank_normal * v[crank]
-        tangent += contact.crank_tangent * v[crank]
-    return normal, tangent
+        normal_speed += contact.crank_normal * v[crank]
+        tangential_speed += contact.crank_tangent * v[crank]
+    return normal_speed, tangential_speed
 
 
 @njit

@@ -87,17 +87,22 @@ def find_crank_contacts(
     from the index `count`. Pairs are numbered after those of teeth and seats: first the bearing of each disc and crank,
     then the mesh of each planet.
     """
-    discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
-    carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks
-    carrier_pose, pair = shaft_pose(q, carrier), len(system.ring_centres) * (discs + system.free)
-    for disc in range(discs):
+    disc_count, crank_count = train.eccentrics.shape[0], train.eccentrics.shape[1]
+    carrier_unknown, first_crank = system.stud_shaft, len(system.inertia) - crank_count
+    carrier_pose, pair = shaft_pose(q, carrier_unknown), len(system.ring_centres) * (disc_count + system.free)
+    for disc in range(disc_count):
         pose_of_disc = disc_pose(q, 3 * disc, 0.0)
-        for crank_index in range(cranks):
-            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier, NONE), first_crank + crank_index
+        for crank_index in range(crank_count):
+            mating, crank_unknown = (
+                MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier_unknown, NONE),
+                first_crank + crank_index,
+            )
             pair += 1
             axis_x, axis_y = outwards(carrier_pose, train.axes[crank_index, 0], train.axes[crank_index, 1])
             eccentric_x, eccentric_y = outwards(
-                shaft_pose(q, crank), train.eccentrics[disc, crank_index, 0], train.eccentrics[disc, crank_index, 1]
+                shaft_pose(q, crank_unknown),
+                train.eccentrics[disc, crank_index, 0],
+                train.eccentrics[disc, crank_index, 1],
             )
             bore_x, bore_y = outwards(
                 pose_of_disc, train.bores[disc, crank_index, 0], train.bores[disc, crank_index, 1]
@@ -105,9 +110,9 @@ def find_crank_contacts(
             dx, dy = axis_x + eccentric_x - pose_of_disc.x - bore_x, axis_y + eccentric_y - pose_of_disc.y - bore_y
             if train.needles:
                 arms = BearingArms(axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, train.eccentric_radius)
-                cage = q[3 * disc + 2] + train.cage_ratio * (q[crank] - q[3 * disc + 2])
+                cage_angle = q[3 * disc + 2] + train.cage_ratio * (q[crank_unknown] - q[3 * disc + 2])
                 count = _find_needle_contacts(
-                    system, train, contacts, count, mating, crank, arms, (dx, dy), cage, v, half_step
+                    system, train, contacts, count, mating, crank_unknown, arms, (dx, dy), cage_angle, v, half_step
                 )
                 continue
             distance = math.sqrt(dx * dx + dy * dy)
@@ -117,7 +122,7 @@ def find_crank_contacts(
                 if side < 0.0 and train.clearance >= 0.0:
                     continue
                 contact = contacts[count]
-                _start_contact(contact, mating, crank, side * nx, side * ny, train.clearance - side * distance)
+                _start_contact(contact, mating, crank_unknown, side * nx, side * ny, train.clearance - side * distance)
                 _set_bearing_arms(
                     contact,
                     BearingArms(axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, train.eccentric_radius),
@@ -126,8 +131,8 @@ def find_crank_contacts(
                 linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
                 set_film_friction(system, contact, _BEARING, 1.0, v)
                 count += 1
-    for crank_index in range(cranks):
-        mating = MatingSurfaces(pair + crank_index, train.laws[1], 3 * discs, -1, carrier, NONE)
+    for crank_index in range(crank_count):
+        mating = MatingSurfaces(pair + crank_index, train.laws[1], 3 * disc_count, -1, carrier_unknown, NONE)
         count = _find_planet_contacts(
             system, train, contacts, count, mating, first_crank + crank_index, crank_index, q, v, half_step
         )
@@ -157,40 +162,42 @@ def _find_needle_contacts(
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
-    crank: int,
+    crank_unknown: int,
     arms: BearingArms,
     displacement: tuple[float, float],
-    cage: float,
+    cage_angle: float,
     v: Array,
     half_step: float,
 ) -> int:
     """Write a contact for each needle of a crank bearing after `count` others; return the new number of contacts.
 
-    `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, and `crank` the index of
-    the crank's rotation among the unknowns. `arms` are the lever arms of the bearing, `displacement` (x, y) [m] is that
-    of the eccentric in its bore, and `cage` [rad] the angle of the cage, at 0 of which a needle is on +y. `v` are the
-    speeds of all coordinates, shape (unknowns,), and `half_step` is half of the time step [s].
+    `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, and `crank_unknown` the
+    index of the crank's rotation among the unknowns. `arms` are the lever arms of the bearing, `displacement` (x, y)
+    [m] is that of the eccentric in its bore, and `cage_angle` [rad] the angle of the cage, at 0 of which a needle is on
+    +y. `v` are the speeds of all coordinates, shape (unknowns,), and `half_step` is half of the time step [s].
     """
     dx, dy = displacement
     spacing = 2.0 * math.pi / train.needles
-    share = resultant_share(dx, dy, train.clearance, cage, train.needles)
+    friction_share = resultant_share(dx, dy, train.clearance, cage_angle, train.needles)
     for needle in range(train.needles):
-        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        nx, ny = -math.sin(cage_angle + needle * spacing), math.cos(cage_angle + needle * spacing)
         contact = contacts[count]
-        _start_contact(contact, mating, crank, nx, ny, train.clearance - dx * nx - dy * ny)
+        _start_contact(contact, mating, crank_unknown, nx, ny, train.clearance - dx * nx - dy * ny)
         _set_bearing_arms(contact, arms)
         linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
         set_film_friction(system, contact, _BEARING, 1.0, v)
-        scale_friction(contact, share, v)
+        scale_friction(contact, friction_share, v)
         count += 1
     return count
 
 
 @njit
-def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: float, ny: float, gap: float) -> None:
+def _start_contact(
+    contact: Contact, mating: MatingSurfaces, crank_unknown: int, nx: float, ny: float, gap: float
+) -> None:
     """Set pair, unknowns, normal and gap of a contact that pushes the body `disc` along the normal."""
     contact.pair = mating.pair
-    contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, -1, mating.shaft, crank
+    contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, -1, mating.shaft, crank_unknown
     contact.nx, contact.ny, contact.gap, contact.side = nx, ny, gap, -1.0
     contact.disc_centre, contact.shaft_centre, contact.crank_centre = 0.0, 0.0, 0.0
     contact.geometric_stiffness = 0.0
@@ -223,7 +230,7 @@ def _find_planet_contacts(
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
-    crank: int,
+    crank_unknown: int,
     planet_index: int,
     q: Array,
     v: Array,
@@ -231,24 +238,24 @@ def _find_planet_contacts(
 ) -> int:
     """Write the contacts of both flanks of a planet on the sun after `count` others; return the new number of contacts.
 
-    `train` are the cranks of the reducer `system`, `contacts` is the output array. `crank` is the index of the planet's
-    rotation in q, `planet_index` that of the planet, `mating` its pair with the sun. `q` and `v` are the coordinates of
-    all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of the time step [s]. The
-    normals are directions of the force on the sun, opposite to those of ``PlanetMesh``.
+    `train` are the cranks of the reducer `system`, `contacts` is the output array. `crank_unknown` is the index of the
+    planet's rotation in q, `planet_index` that of the planet, `mating` its pair with the sun. `q` and `v` are the
+    coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of the time
+    step [s]. The normals are directions of the force on the sun, opposite to those of ``PlanetMesh``.
     """
-    sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
-    crank_pose = shaft_pose(q, crank)
+    sun_unknown, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
+    crank_pose = shaft_pose(q, crank_unknown)
     axis_x, axis_y = outwards(shaft_pose(q, mating.shaft), train.axes[planet_index, 0], train.axes[planet_index, 1])
     runout_x, runout_y = outwards(crank_pose, train.runouts[planet_index, 0], train.runouts[planet_index, 1])
-    planet = Pose(axis_x + runout_x, axis_y + runout_y, crank_pose.cosine, crank_pose.sine)
-    flanks = planet_flanks(mesh, disc_pose(q, sun, 0.0), planet)
-    phase = mesh.planet_teeth * (q[crank] - math.atan2(flanks.y, flanks.x)) + mesh.phase
+    planet_pose = Pose(axis_x + runout_x, axis_y + runout_y, crank_pose.cosine, crank_pose.sine)
+    flanks = planet_flanks(mesh, disc_pose(q, sun_unknown, 0.0), planet_pose)
+    phase = mesh.planet_teeth * (q[crank_unknown] - math.atan2(flanks.y, flanks.x)) + mesh.phase
     error_slope = mesh.error * mesh.planet_teeth * math.cos(phase)
     for side in (1.0, -1.0):
         outward_x, outward_y = flank_normal(flanks, side)
         nx, ny = -outward_x, -outward_y
         contact = contacts[count]
-        _start_contact(contact, mating, crank, nx, ny, flanks.gap if side > 0.0 else flanks.opposite)
+        _start_contact(contact, mating, crank_unknown, nx, ny, flanks.gap if side > 0.0 else flanks.opposite)
         contact.disc_normal, contact.disc_tangent = -side * mesh.sun_base, mesh.arm
         contact.shaft_normal, contact.shaft_tangent = nx * axis_y - ny * axis_x - side * error_slope, 0.0
         contact.crank_normal = -side * (mesh.planet_base - error_slope) + nx * runout_y - ny * runout_x

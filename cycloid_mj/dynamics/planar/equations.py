@@ -73,7 +73,7 @@ class Equations(NamedTuple):
 
 def allocate_equations(system: System) -> Equations:
     """Allocate the matrices and vectors of a step of the planar solver, for the reducer `system`."""
-    main_count, pins, pin_width = (
+    main_count, pin_count, pin_width = (
         len(system.inertia),
         len(system.ring_centres) * system.free,
         2 * len(system.pin_mass) + 1,
@@ -81,12 +81,12 @@ def allocate_equations(system: System) -> Equations:
     return Equations(
         matrix=np.zeros((main_count, main_count)),
         rhs=np.zeros(main_count),
-        pins=np.zeros((pin_width * pins, pin_width)),
-        pin_rhs=np.zeros(pin_width * pins),
-        pin_columns=np.zeros((main_count * pins, pin_width)),
-        pin_rows=np.zeros((pin_width * pins, main_count)),
-        coupled=np.zeros(pins, dtype=np.int64),
-        settled=np.zeros(pins, dtype=np.int64),
+        pins=np.zeros((pin_width * pin_count, pin_width)),
+        pin_rhs=np.zeros(pin_width * pin_count),
+        pin_columns=np.zeros((main_count * pin_count, pin_width)),
+        pin_rows=np.zeros((pin_width * pin_count, main_count)),
+        coupled=np.zeros(pin_count, dtype=np.int64),
+        settled=np.zeros(pin_count, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
     )
 
@@ -177,7 +177,7 @@ def _assemble(
     iteration.
     """
     matrix, rhs = equations.matrix, equations.rhs
-    pins, pin_rhs = equations.pins, equations.pin_rhs
+    pin_blocks, pin_rhs = equations.pins, equations.pin_rhs
     main_count, half_step = len(rhs), 0.5 * timestep
     for unknown in range(main_count):
         for column in range(main_count):
@@ -194,20 +194,20 @@ def _assemble(
     for shaft in range(2):
         _add_shaft_torques(system, equations, shaft, q0, predicted, command[shaft], half_step)
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
-    pin_width = pins.shape[1]
-    for unknown in range(len(coupled)):
-        pin_unknown, row = main_count + pin_width * unknown, pin_width * unknown
+    pin_width = pin_blocks.shape[1]
+    for pin in range(len(coupled)):
+        pin_unknown, row = main_count + pin_width * pin, pin_width * pin
         for pin_equation in range(row, row + pin_width):
             pin_rhs[pin_equation] = 0.0
             for column in range(pin_width):
-                pins[pin_equation, column] = 0.0
+                pin_blocks[pin_equation, column] = 0.0
         _add_pin_inertia(system, equations, v0, row, pin_unknown, pin_span)
-        if coupled[unknown]:
+        if coupled[pin]:
             for pin_equation in range(pin_width):
                 for column in range(main_count):
-                    pin_columns[main_count * unknown + column, pin_equation] = 0.0
+                    pin_columns[main_count * pin + column, pin_equation] = 0.0
                     pin_rows[row + pin_equation, column] = 0.0
-            coupled[unknown] = 0
+            coupled[pin] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
 
 
@@ -250,15 +250,18 @@ def _add_pin_inertia(
     of all coordinates at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate pins, see
     `solve_step`.
     """
-    pins, pin_rhs, gx, gy = equations.pins, equations.pin_rhs, system.gravity[0], system.gravity[1]
+    pin_blocks, pin_rhs, gx, gy = equations.pins, equations.pin_rhs, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
-        x = plane_shift(plane)
+        x_offset = plane_shift(plane)
         for other_plane in range(len(system.pin_mass)):
-            mass, other_x = system.pin_mass[plane, other_plane], plane_shift(other_plane)
-            pins[row + x, other_x], pins[row + x + 1, other_x + 1] = mass / pin_span, mass / pin_span
-            pin_rhs[row + x] += mass / pin_span * v0[pin_unknown + other_x] + mass * gx
-            pin_rhs[row + x + 1] += mass / pin_span * v0[pin_unknown + other_x + 1] + mass * gy
-    pins[row + 2, 2] = system.pin_inertia / pin_span
+            mass, other_x_offset = system.pin_mass[plane, other_plane], plane_shift(other_plane)
+            pin_blocks[row + x_offset, other_x_offset], pin_blocks[row + x_offset + 1, other_x_offset + 1] = (
+                mass / pin_span,
+                mass / pin_span,
+            )
+            pin_rhs[row + x_offset] += mass / pin_span * v0[pin_unknown + other_x_offset] + mass * gx
+            pin_rhs[row + x_offset + 1] += mass / pin_span * v0[pin_unknown + other_x_offset + 1] + mass * gy
+    pin_blocks[row + 2, 2] = system.pin_inertia / pin_span
     pin_rhs[row + 2] = system.pin_inertia / pin_span * v0[pin_unknown + 2]
 
 
@@ -445,18 +448,17 @@ def _add_shaft(matrix: Array, rhs: Array, shaft: int, arms: ShaftArms, tangent: 
 
 
 @njit
-def _add_force(rhs: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
+def _add_force(rhs: Array, first_row: int, arms: LeverArms, tangent: Tangent, shift: int) -> None:
     """Add the contact force at the predicted speeds to the right side `rhs` (n,) of the equations of motion of a body.
 
-    `side` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
-    speeds. `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the
-    rotation.
+    `arms` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
+    speeds. The rows of x, y and rotation are `first_row` + `shift`, the next row, and `first_row` + 2.
     """
     for component in range(3):
         rhs[first_row + component + (shift if component < 2 else 0)] += (
-            tangent.force * side.pushed[component]
-            + tangent.rolling_force * side.centre[component]
-            - tangent.friction * side.tangent[component]
+            tangent.force * arms.pushed[component]
+            + tangent.rolling_force * arms.centre[component]
+            - tangent.friction * arms.tangent[component]
         )
 
 
@@ -473,10 +475,10 @@ def _add_force_derivative(
 ) -> None:
     """Add the derivative of a contact's force on one body with respect to the speeds of another to the matrix `target`.
 
-    It is a block of shape (3, 3) whose first element is at `row` and `column`. `loaded_body` and `moving_body` are the
-    lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
-    function of the speeds. Rows and columns of x and y are `row_shift` and `column_shift` further on, those of the
-    rotations are not.
+    It is a block for x, y and rotation of both bodies. Its rows are `row` + `row_shift`, the next, and `row` + 2, its
+    columns `column` + `column_shift`, the next, and `column` + 2. `loaded_body` and `moving_body` are the lever arms of
+    the contact about both bodies, which may be the same. `tangent` is the contact force as a linear function of the
+    speeds.
     """
     for i in range(3):
         normal_term, creep_term, roll_term = (
@@ -507,11 +509,11 @@ def _couple_shaft(
 ) -> None:
     """Add the derivatives by which a contact couples a body and a shaft to two blocks of the matrix of equations.
 
-    The derivative of the body's force with respect to the shaft's speed is added to the matrix `column_block`, from
-    `row` on at `column`. That of the shaft's torque with respect to the body's speeds is added to the matrix
-    `row_block`, at `shaft_row` from `first_column` on. `arms` and `body` are the lever arms of the contact about shaft
-    and body, `tangent` is the contact force as a linear function of the speeds. Rows and columns of the body's x and y
-    are `shift` further on, those of its rotation are not.
+    The derivative of the body's force with respect to the shaft's speed is added to `column` of the matrix
+    `column_block`: for x, y and rotation in the rows `row` + `shift`, the next, and `row` + 2. That of the shaft's
+    torque with respect to the body's speeds is added to `shaft_row` of the matrix `row_block`, in the columns
+    `first_column` + `shift`, the next, and `first_column` + 2. `arms` and `body` are the lever arms of the contact
+    about shaft and body, `tangent` is the contact force as a linear function of the speeds.
     """
     for i in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[i], tangent.geometric * body.centre[i]
@@ -534,15 +536,15 @@ def _condense_pins(system: System, equations: Equations) -> None:
     if equations.pins.shape[1] > 3:
         _condense_tilting_pins(system, equations)
         return
-    matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
+    matrix, rhs, pin_blocks, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     main_count = len(rhs)
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for pin in range(len(coupled)):
         pin_row, column_row = 3 * pin, main_count * pin
-        inverse = _invert_block(pins, pin_row)
-        x, y, z = _multiply(inverse, pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2])
-        pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2] = x, y, z
+        inverse = _invert_block(pin_blocks, pin_row)
+        speed_x, speed_y, spin = _multiply(inverse, pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2])
+        pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2] = speed_x, speed_y, spin
         if not coupled[pin]:
             continue
         for unknown in range(coupled_size):
@@ -550,19 +552,19 @@ def _condense_pins(system: System, equations: Equations) -> None:
                 inverse, pin_rows[pin_row, unknown], pin_rows[pin_row + 1, unknown], pin_rows[pin_row + 2, unknown]
             )
         for equation in range(coupled_size):
-            factor_x, factor_y, factor_z = (
+            factor_x, factor_y, factor_spin = (
                 pin_columns[column_row + equation, 0],
                 pin_columns[column_row + equation, 1],
                 pin_columns[column_row + equation, 2],
             )
-            if factor_x == 0.0 and factor_y == 0.0 and factor_z == 0.0:
+            if factor_x == 0.0 and factor_y == 0.0 and factor_spin == 0.0:
                 continue
-            rhs[equation] -= factor_x * x + factor_y * y + factor_z * z
+            rhs[equation] -= factor_x * speed_x + factor_y * speed_y + factor_spin * spin
             for unknown in range(coupled_size):
                 matrix[equation, unknown] -= (
                     factor_x * pin_rows[pin_row, unknown]
                     + factor_y * pin_rows[pin_row + 1, unknown]
-                    + factor_z * pin_rows[pin_row + 2, unknown]
+                    + factor_spin * pin_rows[pin_row + 2, unknown]
                 )
 
 
@@ -573,45 +575,45 @@ def _condense_tilting_pins(system: System, equations: Equations) -> None:
     This is `_condense_pins` for tilting pins; there is no pivoting. The block of a pin is its positive definite mass
     matrix with the slopes of its contacts. `system` is the reducer as arrays.
     """
-    matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
+    matrix, rhs, pin_blocks, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    main_count, pin_width = len(rhs), pins.shape[1]
+    main_count, pin_width = len(rhs), pin_blocks.shape[1]
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for pin in range(len(coupled)):
         pin_row, column_row = pin_width * pin, main_count * pin
-        columns = coupled_size if coupled[pin] else 0
+        column_count = coupled_size if coupled[pin] else 0
         for pivot in range(pin_width):
-            scale = 1.0 / pins[pin_row + pivot, pivot]
-            _scale_row(pins, pin_row + pivot, scale, pin_width)
-            _scale_row(pin_rows, pin_row + pivot, scale, columns)
+            scale = 1.0 / pin_blocks[pin_row + pivot, pivot]
+            _scale_row(pin_blocks, pin_row + pivot, scale, pin_width)
+            _scale_row(pin_rows, pin_row + pivot, scale, column_count)
             pin_rhs[pin_row + pivot] *= scale
             for row in range(pin_width):
-                factor = pins[pin_row + row, pivot]
+                factor = pin_blocks[pin_row + row, pivot]
                 if row == pivot or factor == 0.0:
                     continue
-                _subtract_row(pins, pin_row + row, pin_row + pivot, factor, pin_width)
-                _subtract_row(pin_rows, pin_row + row, pin_row + pivot, factor, columns)
+                _subtract_row(pin_blocks, pin_row + row, pin_row + pivot, factor, pin_width)
+                _subtract_row(pin_rows, pin_row + row, pin_row + pivot, factor, column_count)
                 pin_rhs[pin_row + row] -= factor * pin_rhs[pin_row + pivot]
-        for equation in range(columns):
+        for equation in range(column_count):
             for pin_equation in range(pin_width):
                 factor = pin_columns[column_row + equation, pin_equation]
                 if factor == 0.0:
                     continue
                 rhs[equation] -= factor * pin_rhs[pin_row + pin_equation]
-                for unknown in range(columns):
+                for unknown in range(column_count):
                     matrix[equation, unknown] -= factor * pin_rows[pin_row + pin_equation, unknown]
 
 
 @njit
-def _scale_row(matrix: Array, row: int, factor: float, columns: int) -> None:
-    for k in range(columns):
-        matrix[row, k] *= factor
+def _scale_row(matrix: Array, row: int, factor: float, column_count: int) -> None:
+    for column in range(column_count):
+        matrix[row, column] *= factor
 
 
 @njit
-def _subtract_row(matrix: Array, row: int, other: int, factor: float, columns: int) -> None:
-    for k in range(columns):
-        matrix[row, k] -= factor * matrix[other, k]
+def _subtract_row(matrix: Array, row: int, other_row: int, factor: float, column_count: int) -> None:
+    for column in range(column_count):
+        matrix[row, column] -= factor * matrix[other_row, column]
 
 
 @njit

@@ -84,10 +84,10 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
     """
     laws = stiffest(laws_of_discs(reducer))
     if isinstance(reducer, RvReducer):
-        system, train, inertia = make_rv_system(reducer, held), make_crank_train(reducer), input_inertia(reducer)
+        system, train, crank_inertia = make_rv_system(reducer, held), make_crank_train(reducer), input_inertia(reducer)
     else:
         system, train = make_system(reducer, held), None
-        inertia = float(system.inertia[-1])
+        crank_inertia = float(system.inertia[-1])
     servo_shaft = ("output", "crank").index(held) if held else 0
     losses = dict(zip((f"{reducer.INPUT}_drag", "output_drag"), drag_torques(reducer), strict=True))
     return PlanarModel(
@@ -97,7 +97,7 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
         timestep=timestep or choose_step(reducer).seconds,
         laws=laws,
         servo_gains=(float(system.servo[servo_shaft, 0]), float(system.servo[servo_shaft, 1])),
-        crank_inertia=inertia,
+        crank_inertia=crank_inertia,
         drags=tuple(name for name, loss in losses.items() if loss),
         warnings=static_warnings(reducer, laws),
     )

@@ -27,29 +27,29 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
     DesignError
         A part of the design is not feasible.
     """
-    masses, discs, cranks = moving_masses(reducer), len(reducer.mechanism.discs), reducer.cranks.count
-    sun, crank, output = masses[names.SUN], masses[names.CRANK], total_output_inertia(reducer)
+    masses, disc_count, crank_count = moving_masses(reducer), len(reducer.mechanism.discs), reducer.cranks.count
+    sun, crank, inertia_of_output = masses[names.SUN], masses[names.CRANK], total_output_inertia(reducer)
     planar_masses = [masses[disc.part] for disc in reducer.mechanism.discs] + [sun]
     sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
     inertia_by_unknown = [
         inertia for body in planar_masses for inertia in (body.mass, body.mass, float(body.inertia[2, 2]))
     ]
-    output_unknown, sun_unknown = 3 * (discs + 1), 3 * discs + 2
+    output_unknown, sun_unknown = 3 * (disc_count + 1), 3 * disc_count + 2
     is_floating = reducer.planet.sun_support == "floating"
-    fixed_support = [*np.zeros(3 * discs), FIXED_SUN_STIFFNESS, FIXED_SUN_STIFFNESS, 0.0]
-    shaft_inertia = {"output": output, "crank": sun_inertia}
-    servo_inertia = {"output": output, "crank": input_inertia(reducer)}
+    fixed_support_stiffness = [*np.zeros(3 * disc_count), FIXED_SUN_STIFFNESS, FIXED_SUN_STIFFNESS, 0.0]
+    shaft_inertia = {"output": inertia_of_output, "crank": sun_inertia}
+    servo_inertia = {"output": inertia_of_output, "crank": input_inertia(reducer)}
     drag, servo = drags_and_servos(reducer, held, shaft_inertia, servo_inertia)
     return System(
-        bodies=discs + 1,
+        bodies=disc_count + 1,
         shafts=np.array([output_unknown, sun_unknown]),
-        cranks=cranks,
-        bearing_contacts=discs * cranks * max(2, reducer.separate_needles),
+        cranks=crank_count,
+        bearing_contacts=disc_count * crank_count * max(2, reducer.separate_needles),
         needles=0,
         cage_ratio=0.0,
         roller_needles=NO_NEEDLES,
         floating=is_floating,
-        support=np.array([] if is_floating else fixed_support),
+        support=np.array([] if is_floating else fixed_support_stiffness),
         holes=np.zeros((0, 0, 2)),
         studs=np.zeros((0, 2)),
         cams=np.zeros((0, 2)),
@@ -57,7 +57,9 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         stud=0.0,
         bore=0.0,
         cam=0.0,
-        inertia=np.array([*inertia_by_unknown[:-1], sun_inertia, output, *[float(crank.inertia[2, 2])] * cranks]),
+        inertia=np.array(
+            [*inertia_by_unknown[:-1], sun_inertia, inertia_of_output, *[float(crank.inertia[2, 2])] * crank_count]
+        ),
         unbalance=np.zeros((2, 2)),
         film=film_table(reducer),
         **teeth_and_ring(reducer, output_unknown),
@@ -89,14 +91,14 @@ def make_crank_train(reducer: RvReducer) -> CrankTrain:
 def input_inertia(reducer: RvReducer) -> float:
     """Compute the inertia of all moving parts, reduced to the sun at their ideal speeds [kg m2]."""
     masses, member = moving_masses(reducer), reducer.member
-    crank, carrier = float(member.crank_angle(1.0)), float(member.gear_angle(1.0))
-    discs = [masses[disc.part] for disc in reducer.mechanism.discs]
+    crank_ratio, carrier_ratio = float(member.crank_angle(1.0)), float(member.gear_angle(1.0))
+    disc_masses = [masses[disc.part] for disc in reducer.mechanism.discs]
     return (
         float(masses[names.SUN].inertia[2, 2])
         + reducer.design.drive.rotor_inertia
-        + reducer.cranks.count * float(masses[names.CRANK].inertia[2, 2]) * crank**2
-        + sum(disc.mass * (reducer.design.gear.eccentricity * crank) ** 2 for disc in discs)
-        + sum(float(disc.inertia[2, 2]) * carrier**2 for disc in discs)
+        + reducer.cranks.count * float(masses[names.CRANK].inertia[2, 2]) * crank_ratio**2
+        + sum(disc.mass * (reducer.design.gear.eccentricity * crank_ratio) ** 2 for disc in disc_masses)
+        + sum(float(disc.inertia[2, 2]) * carrier_ratio**2 for disc in disc_masses)
         + total_output_inertia(reducer) * float(member.output_angle(1.0)) ** 2
     )
 
@@ -104,7 +106,7 @@ def input_inertia(reducer: RvReducer) -> float:
 def total_output_inertia(reducer: RvReducer) -> float:
     """Compute the inertia of the output about its axis with the cranks that a carrier takes along [kg m2]."""
     mechanism, masses = reducer.mechanism, moving_masses(reducer)
-    carried = [body for body in mechanism.carried if body.part == names.CRANK]
+    carried_cranks = [body for body in mechanism.carried if body.part == names.CRANK]
     return output_inertia(reducer) + sum(
-        masses[body.part].mass * float(body.position @ body.position) for body in carried
+        masses[body.part].mass * float(body.position @ body.position) for body in carried_cranks
     )

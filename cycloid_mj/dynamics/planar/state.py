@@ -20,27 +20,31 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
     tuple of Array
         Positions [m], [rad] and speeds [m/s], [rad/s] in the order of the unknowns of a ``System``, shape (unknowns,).
     """
-    position, velocity = joint_state(reducer, crank, speed)
-    discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]
+    position_by_joint, velocity_by_joint = joint_state(reducer, crank, speed)
+    disc_joints = [joint for disc in reducer.mechanism.discs for joint in disc.joints]
     if isinstance(reducer, RvReducer):
-        joint_names, cranks = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT], reducer.cranks.count
+        joint_names, crank_count = (
+            [*disc_joints, *names.planar_joints(names.SUN), names.OUTPUT_JOINT],
+            reducer.cranks.count,
+        )
     else:
-        joint_names, cranks = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
+        joint_names, crank_count = [*disc_joints, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
     positions, speeds = (
         [
             *(joints.get(joint, 0.0) for joint in joint_names),
-            *[float(reducer.member.crank_angle(driven_value))] * cranks,
+            *[float(reducer.member.crank_angle(driven_value))] * crank_count,
         ]
-        for joints, driven_value in ((position, crank), (velocity, speed))
+        for joints, driven_value in ((position_by_joint, crank), (velocity_by_joint, speed))
     )
     ring_angle, ring_speed = (
-        float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
+        float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0])
+        for joints in (position_by_joint, velocity_by_joint)
     )
     sine, cosine = np.sin(ring_angle), np.cos(ring_angle)
     other_planes = len(pin_mass_matrix(reducer)) - 1 if reducer.mechanism.pins else 0
     for pin in reducer.mechanism.pins:
-        x, y = pin.position + [position.get(joint, 0.0) for joint in pin.joints[:2]]
+        x, y = pin.position + [position_by_joint.get(joint, 0.0) for joint in pin.joints[:2]]
         x, y = cosine * x - sine * y, sine * x + cosine * y
-        positions += [x, y, ring_angle + position.get(pin.joints[2], 0.0), *[x, y] * other_planes]
+        positions += [x, y, ring_angle + position_by_joint.get(pin.joints[2], 0.0), *[x, y] * other_planes]
         speeds += [-ring_speed * y, ring_speed * x, ring_speed, *[-ring_speed * y, ring_speed * x] * other_planes]
     return np.array(positions), np.array(speeds)

@@ -84,29 +84,35 @@ class Stepper:
 
         `system` is the reducer as arrays. `positions` and `speeds` (unknowns,) are those of all coordinates at time 0;
         the earlier positions are extrapolated with these speeds. `timestep` is in [s], `stride` in steps per sample.
-        `midpoint_pins` is whether moving pins are integrated by the midpoint rule too. `train` has the cranks of an RV
-        reducer.
+        `midpoint_pins` is whether moving pins are integrated by the midpoint rule, like all other bodies. `train` has
+        the cranks of an RV reducer.
         """
         self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
-        discs, teeth = len(system.offset), len(system.ring_centres)
-        pairs = teeth * (discs + system.free) + len(system.cams) * (1 + len(system.studs)) + system.cranks * (discs + 1)
+        disc_count, tooth_count = len(system.offset), len(system.ring_centres)
+        pair_count = (
+            tooth_count * (disc_count + system.free)
+            + len(system.cams) * (1 + len(system.studs))
+            + system.cranks * (disc_count + 1)
+        )
         self._motion = Motion(
             q=positions - 0.5 * timestep * speeds,
             v=speeds.copy(),
             midpoint=speeds.copy(),
             before=speeds.copy(),
-            peak=np.zeros(pairs),
+            peak=np.zeros(pair_count),
         )
         self._commands = np.zeros((1, 2))
         self._steps_taken, self._next_sample = 0, 1
         # angle, speed and torque of two shafts; position and speeds of a floating sun; pose and speeds of discs; angle
         # and speed of cranks; position and spin of pins; two energies
-        copied = 2 * 3 + 4 * system.floating + 6 * discs + 2 * system.cranks + 4 * teeth * system.free + 2
-        drags = int((system.drag[:, 0] > 0.0).sum())
+        copied_count = (
+            2 * 3 + 4 * system.floating + 6 * disc_count + 2 * system.cranks + 4 * tooth_count * system.free + 2
+        )
+        drag_count = int((system.drag[:, 0] > 0.0).sum())
         self.copied, self.solver, self.pairs, self.drags, self._width = sample_layout.sample_slices(
-            copied, pairs, drags
+            copied_count, pair_count, drag_count
         )
 
     def command(self, commands: Array) -> None:
@@ -175,7 +181,7 @@ def _compile_steps() -> Any:
         """
         main_count, half_step = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
-        sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
+        force_sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         row, max_iterations, unconverged = 0, 0, 0
         for step in range(len(commands)):
             _extrapolate_speeds(motion, main_count, predicted)
@@ -195,7 +201,7 @@ def _compile_steps() -> Any:
             else:
                 unconverged += 1
             max_iterations = max(max_iterations, iterations)
-            _update_peaks(contacts, count, sums, motion.peak)
+            _update_peaks(contacts, count, force_sums, motion.peak)
             next_sample -= 1
             if next_sample == 0:
                 next_sample = stride
@@ -243,11 +249,11 @@ def _finish_step(motion: Motion, main_count: int, timestep: float, pin_span: flo
     `midpoint` has the shape (unknowns,); all but the first `main_count` unknowns are those of pins. `timestep` is in
     [s], and `pin_span` [s] is the time in which forces accelerate pins to their midpoint speeds, half a step or a step.
     """
-    of_pins = timestep / pin_span
+    pin_factor = timestep / pin_span
     for unknown in range(len(midpoint)):
         motion.before[unknown], motion.midpoint[unknown] = motion.midpoint[unknown], midpoint[unknown]
         motion.q[unknown] += timestep * midpoint[unknown]
-        motion.v[unknown] += (2.0 if unknown < main_count else of_pins) * (midpoint[unknown] - motion.v[unknown])
+        motion.v[unknown] += (2.0 if unknown < main_count else pin_factor) * (midpoint[unknown] - motion.v[unknown])
 
 
 @njit
@@ -260,35 +266,38 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
     `CONTACT_SEARCH.disc_tolerance` [m] away, with its rotation as a path at the pin circle, and a pin `pin_tolerance`
     [1] times the difference of the radii of its seat.
     """
-    radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
+    pin_circle_radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
-        x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
-        rim_shift = radius * (midpoint[body + 2] - predicted[body + 2])
-        if half_step * half_step * (x * x + y * y + rim_shift * rim_shift) > tolerance * tolerance:
+        speed_x, speed_y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
+        rim_speed = pin_circle_radius * (midpoint[body + 2] - predicted[body + 2])
+        if (
+            half_step * half_step * (speed_x * speed_x + speed_y * speed_y + rim_speed * rim_speed)
+            > tolerance * tolerance
+        ):
             return True
-    planes = len(system.pin_mass)
+    plane_count = len(system.pin_mass)
     for pin in range(len(system.inner)):
         tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[pin] - system.inner[pin])
-        for plane in range(planes):
-            pin_x = main_count + (2 * planes + 1) * pin + plane_shift(plane)
-            x, y = midpoint[pin_x] - predicted[pin_x], midpoint[pin_x + 1] - predicted[pin_x + 1]
-            if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
+        for plane in range(plane_count):
+            pin_x = main_count + (2 * plane_count + 1) * pin + plane_shift(plane)
+            speed_x, speed_y = midpoint[pin_x] - predicted[pin_x], midpoint[pin_x + 1] - predicted[pin_x + 1]
+            if half_step * half_step * (speed_x * speed_x + speed_y * speed_y) > tolerance * tolerance:
                 return True
     return False
 
 
 @njit
-def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
+def _update_peaks(contacts: Contacts, count: int, force_sums: Array, peak_forces: Array) -> None:
     """Update the peak of the normal force of each mating pair [N] with the pair's force in this step.
 
-    `count` is the number of contacts. `sums` (pairs,) is working memory, zero before and after.
+    `count` is the number of contacts. `force_sums` (pairs,) is working memory, zero before and after.
     """
     for contact_index in range(count):
-        sums[contacts[contact_index].pair] += contacts[contact_index].normal_force
+        force_sums[contacts[contact_index].pair] += contacts[contact_index].normal_force
     for contact_index in range(count):
         pair = contacts[contact_index].pair
-        peak[pair] = max(peak[pair], sums[pair])
-        sums[pair] = 0.0
+        peak_forces[pair] = max(peak_forces[pair], force_sums[pair])
+        force_sums[pair] = 0.0
 
 
 @njit
@@ -314,16 +323,16 @@ def _write_sample(
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
-    solver = column + 2
-    pairs = solver + sample_layout.OF_SOLVER
+    solver_column = column + 2
+    pairs_column = solver_column + sample_layout.OF_SOLVER
     for pair in range(len(motion.peak)):
-        row[pairs + sample_layout.OF_PAIR * pair + sample_layout.PEAK_FORCE] = motion.peak[pair]
+        row[pairs_column + sample_layout.OF_PAIR * pair + sample_layout.PEAK_FORCE] = motion.peak[pair]
         motion.peak[pair] = 0.0
-    _write_contacts(contacts, count, row, solver, pairs)
-    row[solver + sample_layout.ITERATIONS], row[solver + sample_layout.WARNINGS] = iterations, unconverged
+    _write_contacts(contacts, count, row, solver_column, pairs_column)
+    row[solver_column + sample_layout.ITERATIONS], row[solver_column + sample_layout.WARNINGS] = iterations, unconverged
     for unknown in range(len(v)):
-        row[solver + sample_layout.ACCELERATION_SUM] += v[unknown]
-    column = pairs + sample_layout.OF_PAIR * len(motion.peak)
+        row[solver_column + sample_layout.ACCELERATION_SUM] += v[unknown]
+    column = pairs_column + sample_layout.OF_PAIR * len(motion.peak)
     for shaft in (1, 0):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
@@ -341,23 +350,23 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
     rotation, which is the input. Angles of cranks are relative to the carrier, positions of pins to the seats in the
     ring. The position of a tilting pin is that of its middle.
     """
-    main_count, sun = len(system.inertia), 3 * len(system.offset)
+    main_count, sun_unknown = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
     if system.floating:
         for axis in range(2):
-            row[column + axis], row[column + 2 + axis] = q[sun + axis], v[sun + axis]
+            row[column + axis], row[column + 2 + axis] = q[sun_unknown + axis], v[sun_unknown + axis]
         column += 4
-    for body in range(0, sun, 3):
+    for body in range(0, sun_unknown, 3):
         for axis in range(3):
             row[column + axis], row[column + 3 + axis] = q[body + axis], v[body + axis]
         column += 6
     column = _write_shaft(system, 0, system.shafts[0], q, v, command, row, column)
-    carrier = system.stud_shaft
-    carrier_angle, member_speed = (q[carrier], v[carrier]) if carrier >= 0 else (0.0, 0.0)
+    carrier_unknown = system.stud_shaft
+    carrier_angle, carrier_speed = (q[carrier_unknown], v[carrier_unknown]) if carrier_unknown >= 0 else (0.0, 0.0)
     for crank in range(main_count - system.cranks, main_count):
-        row[column], row[column + 1] = q[crank] - carrier_angle, v[crank] - member_speed
+        row[column], row[column + 1] = q[crank] - carrier_angle, v[crank] - carrier_speed
         column += 2
-    ring_angle, member_speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
+    ring_angle, ring_speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     sine, cosine = math.sin(ring_angle), math.cos(ring_angle)
     pin_width = 2 * len(system.pin_mass) + 1
     for pin_unknown in range(main_count, len(q), pin_width):
@@ -367,7 +376,7 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
             x, y = 0.5 * (x + q[pin_unknown + 3]), 0.5 * (y + q[pin_unknown + 4])
         row[column] = cosine * x + sine * y - system.seat_centres[pin, 0]
         row[column + 1] = cosine * y - sine * x - system.seat_centres[pin, 1]
-        row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - member_speed
+        row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - ring_speed
         column += 4
     return column
 
@@ -446,14 +455,14 @@ def _compute_energies(system: System, q: Array, v: Array, main_count: int) -> tu
         sine, cosine = math.sin(angle), math.cos(angle)
         moment_x, moment_y = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         potential -= gx * (cosine * moment_x - sine * moment_y) + gy * (sine * moment_x + cosine * moment_y)
-    planes = len(system.pin_mass)
-    for pin_unknown in range(main_count, len(q), 2 * planes + 1):
-        translation = 0.0
-        for plane in range(planes):
+    plane_count = len(system.pin_mass)
+    for pin_unknown in range(main_count, len(q), 2 * plane_count + 1):
+        translational_energy = 0.0
+        for plane in range(plane_count):
             pin_x = pin_unknown + plane_shift(plane)
-            for other_plane in range(planes):
-                mass, other_x = system.pin_mass[plane, other_plane], pin_unknown + plane_shift(other_plane)
-                potential -= mass * (gx * q[other_x] + gy * q[other_x + 1])
-                translation += 0.5 * mass * (v[pin_x] * v[other_x] + v[pin_x + 1] * v[other_x + 1])
-        kinetic += translation + 0.5 * system.pin_inertia * v[pin_unknown + 2] ** 2
+            for other_plane in range(plane_count):
+                mass, other_pin_x = system.pin_mass[plane, other_plane], pin_unknown + plane_shift(other_plane)
+                potential -= mass * (gx * q[other_pin_x] + gy * q[other_pin_x + 1])
+                translational_energy += 0.5 * mass * (v[pin_x] * v[other_pin_x] + v[pin_x + 1] * v[other_pin_x + 1])
+        kinetic += translational_energy + 0.5 * system.pin_inertia * v[pin_unknown + 2] ** 2
     return potential, kinetic

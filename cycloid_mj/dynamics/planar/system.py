@@ -157,8 +157,8 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         A part of the design is not feasible.
     """
     mechanism, masses, discs = reducer.mechanism, moving_masses(reducer), range(reducer.design.gear.discs)
-    cams = [mechanism.mating("cam", disc) for disc in discs]
-    output = [mechanism.mating("output", disc) for disc in discs]
+    cam_matings = [mechanism.mating("cam", disc) for disc in discs]
+    output_matings = [mechanism.mating("output", disc) for disc in discs]
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
@@ -175,13 +175,13 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         roller_needles=reducer.roller_needles,
         floating=False,
         support=np.zeros(0),
-        holes=np.array([mating.on.position for mating in output]),
-        studs=output[0].by.position,
-        cams=np.array([cam.by.position[0] for cam in cams]),
-        hole=float(output[0].on.radius[0]),
-        stud=float(output[0].by.radius[0]),
-        bore=float(cams[0].on.radius[0]),
-        cam=float(cams[0].by.radius[0]),
+        holes=np.array([mating.on.position for mating in output_matings]),
+        studs=output_matings[0].by.position,
+        cams=np.array([cam.by.position[0] for cam in cam_matings]),
+        hole=float(output_matings[0].on.radius[0]),
+        stud=float(output_matings[0].by.radius[0]),
+        bore=float(cam_matings[0].on.radius[0]),
+        cam=float(cam_matings[0].by.radius[0]),
         inertia=np.array([*_disc_inertias(reducer), *shaft_inertia.values()]),
         unbalance=np.array([shaft.mass * shaft.centroid[:2] for shaft in shafts.values()]),
         film=film_table(reducer),
@@ -192,27 +192,27 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
 
 
 def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
-    """Return the arguments of a planar `System` that describe discs, ring and gravity, by name of its field.
+    """Return the arguments of a planar `System` that describe discs, ring and gravity, by field (``ring_centres``).
 
     `output_unknown` is the index of the output's rotation among the unknowns.
     """
     design, mechanism = reducer.design, reducer.mechanism
     discs = range(design.gear.discs)
-    mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
-    teeth = [teeth_of_disc(reducer, disc) for disc in discs]
-    ring = mesh[0].by
-    seats, inner_radii, outer_radii, arc = _seat_geometry(reducer, ring)
+    tooth_matings = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
+    teeth_of_discs = [teeth_of_disc(reducer, disc) for disc in discs]
+    ring_surfaces = tooth_matings[0].by
+    seats, inner_radii, outer_radii, arc = _seat_geometry(reducer, ring_surfaces)
     unknown_of_body = {mechanism.turning: output_unknown}
-    pin = moving_masses(reducer)[names.PIN] if design.ring.has_pin_bodies else None
+    pin_mass = moving_masses(reducer)[names.PIN] if design.ring.has_pin_bodies else None
     return {
-        "teeth": teeth[0],
-        "offset": np.array([tooth.flank.offset for tooth in teeth]),
-        "tooth_rotation": np.array([mating.on.angle[0] for mating in mesh]),
-        "ring": _ring_values(reducer, ring),
+        "teeth": teeth_of_discs[0],
+        "offset": np.array([teeth.flank.offset for teeth in teeth_of_discs]),
+        "tooth_rotation": np.array([mating.on.angle[0] for mating in tooth_matings]),
+        "ring": _ring_values(reducer, ring_surfaces),
         "ring_centres": seats.position,
         "outward": unit(seats.angle),
         "seat_centres": np.array([body.position for body in mechanism.pins]).reshape(-1, 2),
-        "lobes": ring.role == Role.LOBE,
+        "lobes": ring_surfaces.role == Role.LOBE,
         "free": design.ring.has_pin_bodies,
         "sleeved": design.ring.has_pin_bodies and design.ring.has_sleeves,
         "ring_shaft": unknown_of_body.get(names.HOUSING, -1),
@@ -221,8 +221,8 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
         "outer": outer_radii,
         "arc": arc,
         "laws": _contact_laws(reducer),
-        "pin_mass": pin_mass_matrix(reducer) if pin else np.zeros((0, 0)),
-        "pin_inertia": float(pin.inertia[2, 2]) if pin else 0.0,
+        "pin_mass": pin_mass_matrix(reducer) if pin_mass else np.zeros((0, 0)),
+        "pin_inertia": float(pin_mass.inertia[2, 2]) if pin_mass else 0.0,
         "gravity": np.array([design.environment.gravity_x, design.environment.gravity_y]),
     }
 
@@ -245,41 +245,41 @@ def drags_and_servos(
 def _disc_inertias(reducer: Reducer) -> list[float]:
     """Return mass [kg], mass and moment of inertia [kg m2] of each disc, in one list of length 3 D."""
     masses = moving_masses(reducer)
-    properties = [masses[disc.part] for disc in reducer.mechanism.discs]
-    return [value for disc in properties for value in (disc.mass, disc.mass, float(disc.inertia[2, 2]))]
+    disc_masses = [masses[disc.part] for disc in reducer.mechanism.discs]
+    return [inertia for disc in disc_masses for inertia in (disc.mass, disc.mass, float(disc.inertia[2, 2]))]
 
 
-def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
+def _seat_geometry(reducer: Reducer, ring_surfaces: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
     """Return the ring's surfaces that are in contact, and the radii and opening angle of the seats of its moving pins.
 
-    `ring` are the surfaces that mate with the teeth: pins or lobes.
+    `ring_surfaces` are the surfaces that mate with the teeth: pins or lobes.
 
     Returns
     -------
     tuple
-        Surfaces: the seats of moving pins, or without moving pins `ring`. `System.inner` and `System.outer`: radii of
-        the inner and outer circle of each of N seats [m], shape (N,), empty without moving pins. `System.arc`: cosine
-        and sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
+        Surfaces: the seats of moving pins, or without moving pins `ring_surfaces`. `System.inner` and `System.outer`:
+        radii of the inner and outer circle of each of N seats [m], shape (N,), empty without moving pins. `System.arc`:
+        cosine and sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
-        return ring, np.zeros(0), np.zeros(0), np.array([-1.0, 0.0])
+        return ring_surfaces, np.zeros(0), np.zeros(0), np.array([-1.0, 0.0])
     seats = reducer.mechanism.mating(design.seat_pair)
     inner_circles, outer_circles = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
     sine = np.sin(outer_circles.half_angle) if outer_circles.half_angle < np.pi else 0.0
     return seats.by, inner_circles.radius, outer_circles.radius, np.array([np.cos(outer_circles.half_angle), sine])
 
 
-def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
+def _ring_values(reducer: Reducer, ring_surfaces: Surfaces) -> Array:
     """Return the data of N ring pins or lobes for the contact search, one row each, shape (N, 6).
 
     The columns are the fields of `contact_search.RingPin`: radius [m], outward direction, and play, compliance ratio
     and opening of the seat of a massless pin. Lobes have only the radius; other values are 0.
     """
-    ring_values = np.zeros((len(ring.names), len(RingPin._fields)))
-    ring_values[:, 0] = ring.radius
-    for pin in range(len(ring.names) if ring.role == Role.PIN else 0):
-        pin_values = collider_attributes(reducer, ring, pin)["userdata"]
+    ring_values = np.zeros((len(ring_surfaces.names), len(RingPin._fields)))
+    ring_values[:, 0] = ring_surfaces.radius
+    for pin in range(len(ring_surfaces.names) if ring_surfaces.role == Role.PIN else 0):
+        pin_values = collider_attributes(reducer, ring_surfaces, pin)["userdata"]
         ring_values[pin, 1 : 1 + len(pin_values)] = pin_values
     return ring_values
 
@@ -304,16 +304,17 @@ def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
 def law_of_needle(law: npt.NDArray[np.void], needles: int) -> npt.NDArray[np.void]:
     """Return the law of each of Z separate needles from that of their bearing, a record of `LAW` of any shape.
 
-    `needles` is Z; 0 returns the law of the bearing.
+    Friction coefficient, exponent and depth stay; all other fields are multiplied by `needle_share`. `needles` is Z; 0
+    returns the law of the bearing.
     """
-    scaled = law.copy()
+    needle_law = law.copy()
     for field in ("stiffness", "damping", "creep", "impact", "impact_damping") if needles else ():
-        scaled[field] *= needle_share(needles)
-    return scaled
+        needle_law[field] *= needle_share(needles)
+    return needle_law
 
 
 def law_record(law: ContactParameters, impact: ImpactLaw | None = None) -> npt.NDArray[np.void]:
     """Return a contact law as a record of `LAW`, shape (1,); `impact` is its law IMPACT, if any."""
     impact_parameters = astuple(impact) if impact else (0.0,) * 4
-    values = law.stiffness, law.damping, law.friction, law.creep, *impact_parameters
-    return np.array([values], dtype=LAW)
+    field_values = law.stiffness, law.damping, law.friction, law.creep, *impact_parameters
+    return np.array([field_values], dtype=LAW)
