@@ -37,7 +37,7 @@ def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
 
 
 def _fit_arcs(
-    curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float
+    curve: "BSpline", derivative: "BSpline", start_parameter: float, end_parameter: float, tolerance: float
 ) -> Iterator[Arc | LineSegment]:
     """Yield arcs and lines that approximate a spline between two of its parameters within a tolerance [m].
 
@@ -45,23 +45,23 @@ def _fit_arcs(
 
     Parameters
     ----------
-    curve, slope
+    curve, derivative
         The spline [m], and its derivative.
-    low, high
+    start_parameter, end_parameter
         Parameters of both ends.
     tolerance
         Largest distance from the spline [m].
     """
-    (start, end), tangents = curve([low, high]), slope([low, high])
+    (start, end), tangents = curve([start_parameter, end_parameter]), derivative([start_parameter, end_parameter])
     tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
     pieces = _make_biarc(start, tangents[0], end, tangents[1])
-    points = curve(np.linspace(low, high, FIT.checks + 2)[1:-1])
+    points = curve(np.linspace(start_parameter, end_parameter, FIT.checks + 2)[1:-1])
     if np.min([_deviation(piece, points) for piece in pieces], axis=0).max() <= tolerance:
         yield from pieces
         return
-    midpoint = 0.5 * (low + high)
-    yield from _fit_arcs(curve, slope, low, midpoint, tolerance)
-    yield from _fit_arcs(curve, slope, midpoint, high, tolerance)
+    midpoint = 0.5 * (start_parameter + end_parameter)
+    yield from _fit_arcs(curve, derivative, start_parameter, midpoint, tolerance)
+    yield from _fit_arcs(curve, derivative, midpoint, end_parameter, tolerance)
 
 
 def _make_biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
@@ -76,8 +76,10 @@ def _make_biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Arr
     """
     chord, turning_measure = end - start, 1.0 - float(start_tangent @ end_tangent)
     chord_component = float(chord @ (start_tangent + end_tangent))
-    square = float(chord @ chord)
-    tangent_length = square / (chord_component + math.sqrt(chord_component**2 + 2.0 * turning_measure * square))
+    squared_chord = float(chord @ chord)
+    tangent_length = squared_chord / (
+        chord_component + math.sqrt(chord_component**2 + 2.0 * turning_measure * squared_chord)
+    )
     junction = 0.5 * (start + end + tangent_length * (start_tangent - end_tangent))
     return _make_arc(start, start_tangent, junction), _make_arc(end, -end_tangent, junction)
 
@@ -85,7 +87,7 @@ def _make_biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Arr
 def _make_arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
     """Return the arc from `start` to `end` (2,) [m] with the unit `tangent` at the start; a line if it is flat.
 
-    An `Arc` is counter-clockwise, so a clockwise arc is returned from `end` to `start`.
+    An `Arc` is counter-clockwise, so a clockwise arc is returned as the same arc from `end` to `start`.
     """
     chord, normal = end - start, np.array([-tangent[1], tangent[0]])
     height = float(normal @ chord)
@@ -94,8 +96,13 @@ def _make_arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
     radius = float(chord @ chord) / (2.0 * height)
     centre = start + radius * normal
     start_angle, end_angle = (math.atan2(*(point - centre)[::-1]) for point in (start, end))
-    low, high = (start_angle, end_angle) if radius > 0.0 else (end_angle, start_angle)
-    return Arc((float(centre[0]), float(centre[1])), abs(radius), low, low + (high - low) % (2.0 * math.pi))
+    min_angle, max_angle = (start_angle, end_angle) if radius > 0.0 else (end_angle, start_angle)
+    return Arc(
+        (float(centre[0]), float(centre[1])),
+        abs(radius),
+        min_angle,
+        min_angle + (max_angle - min_angle) % (2.0 * math.pi),
+    )
 
 
 def _deviation(piece: Arc | LineSegment, points: Array) -> Array:

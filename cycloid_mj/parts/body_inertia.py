@@ -20,9 +20,9 @@ def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
 @once
 def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
-    load = reducer.mechanism.turning
-    if any(load in surfaces.bodies for surfaces in reducer.mechanism.surfaces if surfaces.role == Role.PIN):
-        masses[load] = _add_pins(masses[load], masses["pin"], reducer)
+    loaded_body = reducer.mechanism.turning
+    if any(loaded_body in surfaces.bodies for surfaces in reducer.mechanism.surfaces if surfaces.role == Role.PIN):
+        masses[loaded_body] = _add_pins(masses[loaded_body], masses["pin"], reducer)
     return masses
 
 
@@ -33,12 +33,12 @@ def pin_mass_matrix(reducer: Reducer) -> Array:
     inertia I about the centre and the distance 2 a between the planes, the diagonal elements are m/4 + I/(4 a^2), the
     others m/4 - I/(4 a^2). A pin that cannot tilt has one plane, and the matrix (1, 1) contains its mass.
     """
-    pin = moving_masses(reducer)[names.PIN]
+    pin_masses = moving_masses(reducer)[names.PIN]
     if not reducer.design.has_tilting_pins:
-        return np.array([[pin.mass]])
+        return np.array([[pin_masses.mass]])
     first_plane, last_plane = reducer.design.gear.disc_planes
-    tilting_mass = float(pin.inertia[0, 0]) / (last_plane - first_plane) ** 2
-    return 0.25 * pin.mass + tilting_mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    tilting_mass = float(pin_masses.inertia[0, 0]) / (last_plane - first_plane) ** 2
+    return 0.25 * pin_masses.mass + tilting_mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
 def output_inertia(reducer: Reducer) -> float:
@@ -57,8 +57,8 @@ def turning_inertia(reducer: Reducer) -> float:
 @once
 def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
-    rotating = [masses[body.part] for body in mechanism.turning_along]
-    rotation_inertia = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *rotating))
+    rotating_masses = [masses[body.part] for body in mechanism.turning_along]
+    rotation_inertia = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *rotating_masses))
     return rotation_inertia + sum(
         masses[body.part].mass * float(body.position @ body.position) for body in mechanism.carried
     )
@@ -79,8 +79,8 @@ def play_inertia(reducer: Reducer) -> float:
 def _crank_inertia(reducer: RvReducer) -> float:
     """Compute the inertia of all cranks with their planets, and of the discs on their orbit, at the cranks [kg m2]."""
     masses, eccentricity = moving_masses(reducer), reducer.design.gear.eccentricity
-    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * eccentricity**2
-    return reducer.cranks.count * _about_axis(masses[names.CRANK]) + orbit
+    orbit_inertia = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * eccentricity**2
+    return reducer.cranks.count * _about_axis(masses[names.CRANK]) + orbit_inertia
 
 
 def input_inertia(reducer: Reducer) -> float:
@@ -109,11 +109,11 @@ def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) ->
 
     `pin` has the properties of one pin about its own centroid.
     """
-    count, polar_inertia = reducer.design.ring.mate_count, pin.mass * reducer.design.ring.pin_circle_radius**2
+    pin_count, polar_inertia = reducer.design.ring.mate_count, pin.mass * reducer.design.ring.pin_circle_radius**2
     orbit_inertia = np.diag([0.5 * polar_inertia, 0.5 * polar_inertia, polar_inertia])
     return replace(
         housing,
-        mass=significant(housing.mass + count * pin.mass),
-        volume=significant(housing.volume + count * pin.volume),
-        inertia=significant_tensor(housing.inertia + count * (pin.inertia + orbit_inertia)),
+        mass=significant(housing.mass + pin_count * pin.mass),
+        volume=significant(housing.volume + pin_count * pin.volume),
+        inertia=significant_tensor(housing.inertia + pin_count * (pin.inertia + orbit_inertia)),
     )

@@ -52,15 +52,15 @@ def cam_seat(reducer: Reducer) -> float:
     that there is a cam around the shaft; if it does not, the rollers are thinner, and the result is the mean of that
     sum and the bore radius of the disc.
     """
-    gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
-    if stock_bearing:
-        return round(0.5 * stock_bearing[0].bore, 9)
-    ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
-    raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
+    gear, bearing_and_count = reducer.design.gear, cam_bearing(reducer)
+    if bearing_and_count:
+        return round(0.5 * bearing_and_count[0].bore, 9)
+    roller_ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
+    raceway_radius = gear.bore_radius * (1.0 - roller_ratio) / (1.0 + roller_ratio)
     min_seat = gear.eccentricity + reducer.design.shaft.radius
     if gear.bearing != "rolling" or min_seat >= gear.bore_radius:
         return gear.bore_radius
-    return raceway if raceway > min_seat else 0.5 * (min_seat + gear.bore_radius)
+    return raceway_radius if raceway_radius > min_seat else 0.5 * (min_seat + gear.bore_radius)
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:

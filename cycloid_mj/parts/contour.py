@@ -55,9 +55,9 @@ class TurnedContour:
 def circle_of(contour: Contour) -> Circle | None:
     """Return a contour as a circle, or None if it has another shape."""
     if isinstance(contour, TurnedContour):
-        inner = circle_of(contour.contour)
-        turned_inner = rotate_curve(inner, -contour.angle) if inner else None
-        return turned_inner if isinstance(turned_inner, Circle) else None
+        unturned_circle = circle_of(contour.contour)
+        turned_circle = rotate_curve(unturned_circle, -contour.angle) if unturned_circle else None
+        return turned_circle if isinstance(turned_circle, Circle) else None
     return Circle(contour.centre, contour.radius) if isinstance(contour, CircleContour) else None
 
 

@@ -57,8 +57,8 @@ class ShaftDimensions:
     @property
     def nominal_bending(self) -> float:
         """Bending stress on the surface of a journal per moment [Pa/(N m)], 4/(pi R^3) if solid; of torsion, half."""
-        share = 1.0 - (self.bore_radius / self.radius) ** 4
-        return 4.0 / (np.pi * self.radius**3 * share)
+        remaining_share = 1.0 - (self.bore_radius / self.radius) ** 4
+        return 4.0 / (np.pi * self.radius**3 * remaining_share)
 
     @property
     def cam_centres(self) -> Array:
@@ -70,18 +70,18 @@ class ShaftDimensions:
     def shoulders(self) -> tuple[Shoulder, ...]:
         """List the steps in the radius of the crank (shoulders), where stress concentrates: at counterweight and cams.
 
-        The counterweight counts as a full disc. At a cam, the step is that from the journal to the point of the cam
-        nearest to the axis.
+        Each has its name, its position along z and the radius of its larger side (`Shoulder`). The counterweight counts
+        as a full disc. At a cam, the step is that from the journal to the point of the cam nearest to the axis.
         """
         near_radius, last_number = self.cam_radius - self.eccentricity, len(self.cams) - 1
         shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
         shoulders = shoulders if self.weighted else []
         for number, (start, end) in enumerate(self.cams):
-            cam = f"cam {number + 1}" if last_number else "the cam"
-            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", start, near_radius))
+            cam_text = f"cam {number + 1}" if last_number else "the cam"
+            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam_text}", start, near_radius))
             if number < last_number or self.straddles:
                 shoulders.append(
-                    Shoulder(f"{'neck' if number < last_number else 'far journal'} at {cam}", end, near_radius)
+                    Shoulder(f"{'neck' if number < last_number else 'far journal'} at {cam_text}", end, near_radius)
                 )
         return tuple(shoulders)
 
@@ -91,8 +91,8 @@ class ShaftDimensions:
         segments = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
         segments += [(before[1], after[0]) for before, after in pairwise(self.cams)]
         segments += [(self.cams[-1][1], self.far_end)] if self.straddles else []
-        between = [np.linspace(z0, z1, STATIONS) for z0, z1 in segments]
-        return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
+        journal_positions = [np.linspace(z0, z1, STATIONS) for z0, z1 in segments]
+        return np.concatenate([[shoulder.z for shoulder in self.shoulders], *journal_positions])
 
 
 @once
@@ -103,9 +103,9 @@ def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
     """
     design = reducer.design
     segments_by_name = crank_segments(reducer)
-    journal, weight = segments_by_name[JOURNAL], segments_by_name.get(COUNTERWEIGHT)
+    journal, counterweight = segments_by_name[JOURNAL], segments_by_name.get(COUNTERWEIGHT)
     cams = [(segment.z0, segment.z1) for name, segment in segments_by_name.items() if names.family(name) == names.CAM]
-    end = min(journal.z1, reducer.near_face)
+    journal_end = min(journal.z1, reducer.near_face)
     return ShaftDimensions(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
@@ -113,7 +113,7 @@ def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
         counterweight_radius=design.shaft.counterweight_radius,
         end=journal.z0,
         far_end=segments_by_name[FAR].z1 if FAR in segments_by_name else cams[-1][1],
-        counterweight=(weight.z0, weight.z1) if weight else (end, end),
+        counterweight=(counterweight.z0, counterweight.z1) if counterweight else (journal_end, journal_end),
         cams=tuple(cams),
         phases=reducer.phases,
         bearings=bearing_seats(reducer, segments_by_name),

@@ -100,8 +100,8 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     """
     spans = FIT.first_spans
     while pieces * spans <= FIT.max_spans:
-        nodes = _spline_knots(flank, low, high, pieces * spans)
-        segments = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
+        knots = _spline_knots(flank, low, high, pieces * spans)
+        segments = [knots[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
         splines = [_interpolate(flank, segment) for segment in segments]
         if max(_deviation(flank, *fit) for fit in zip(splines, segments, strict=True)) <= SPLINE_ERROR:
             return tuple(Spline(fit.t, fit.c) for fit in splines)
@@ -133,8 +133,8 @@ def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":
     """Interpolate the flank at nodes by a clamped cubic spline."""
     from scipy.interpolate import make_interp_spline
 
-    ends: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
-    return make_interp_spline(flank.arc_length(nodes), flank.points(nodes), k=3, bc_type=ends)
+    end_tangents: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
+    return make_interp_spline(flank.arc_length(nodes), flank.points(nodes), k=3, bc_type=end_tangents)
 
 
 def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
@@ -146,8 +146,8 @@ def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
 
 def rotate_curve(curve: Curve, angle: float) -> Curve:
     """Rotate a curve clockwise about the origin by an angle [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    rotation = np.array([[cos, -sin], [sin, cos]])
+    cosine, sine = np.cos(angle), np.sin(angle)
+    rotation = np.array([[cosine, -sine], [sine, cosine]])
 
     def rotate_point(point: tuple[float, float]) -> tuple[float, float]:
         x, y = np.array(point) @ rotation

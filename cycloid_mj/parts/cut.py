@@ -14,17 +14,19 @@ def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tu
     or an edge on it counts once.
     """
     x, y = centre
-    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))
+    crossings = np.sort(
+        np.concatenate([_crossings(polygon + np.array([x - SAME_LENGTH, y])) for polygon in _polygons(prism)])
+    )
     return [(float(y_start), float(y_end)) for y_start, y_end in zip(crossings[::2], crossings[1::2], strict=True)]
 
 
-def _rings(prism: Prism) -> tuple[Array, ...]:
+def _polygons(prism: Prism) -> tuple[Array, ...]:
     return (prism.outline, *prism.holes)
 
 
-def _crossings(ring: Array) -> Array:
+def _crossings(polygon: Array) -> Array:
     """Compute y where the edges of a closed polygon (n, 2) cross x = 0."""
-    start, end = ring, np.roll(ring, -1, axis=0)
-    crosses = (start[:, 0] < 0.0) != (end[:, 0] < 0.0)
-    (start_x, start_y), (end_x, end_y) = start[crosses].T, end[crosses].T
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    is_crossing = (start[:, 0] < 0.0) != (end[:, 0] < 0.0)
+    (start_x, start_y), (end_x, end_y) = start[is_crossing].T, end[is_crossing].T
     return np.asarray(start_y - start_x * (end_y - start_y) / (end_x - start_x))

@@ -84,26 +84,26 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     """Return the outline of a disc's teeth as consecutive splines, `splines` for each lobe (each flank if rotated)."""
     gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
-    backwards = SmoothCurve(
+    reversed_flank = SmoothCurve(
         points=lambda x: profile.outline(gear, -x, offset),
         arc_length=lambda x: -profile.arc_length(gear, -x, offset),
         tangents=lambda x: profile.unit(profile.normal_angle(gear, -x) - math.pi / 2.0),
         curvature=lambda x: profile.curvature(gear, -x, offset),
     )
-    segments = [(0.0, pitch, 0.0)]
+    intervals = [(0.0, pitch, 0.0)]
     if rotation:
         ends = flank_ends(gear, offset, rotation)
         rising_interval, falling_interval = (
             (-ends.valley, pitch / 2.0 - ends.tip),
             (pitch / 2.0 + ends.tip, pitch + ends.valley),
         )
-        segments = [(*rising_interval, -rotation), (*falling_interval, rotation)]
-    lobe = [
+        intervals = [(*rising_interval, -rotation), (*falling_interval, rotation)]
+    lobe_curves = [
         rotate_curve(curve, rotation_angle)
-        for first_parameter, last_parameter, rotation_angle in segments
-        for curve in fit_splines(backwards, first_parameter, last_parameter, splines)
+        for first_parameter, last_parameter, rotation_angle in intervals
+        for curve in fit_splines(reversed_flank, first_parameter, last_parameter, splines)
     ]
-    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
+    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe_curves)
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
@@ -116,19 +116,21 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
     DesignError
         The profile is undercut, `chord_error` [m] is too small, or nothing is left of the lobes.
     """
-    teeth, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
+    gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     if rotation:
-        return sample_rotated_flanks(teeth, chord_error, offset, rotation)
-    return profile.outline(teeth, profile.sagitta_parameters(teeth, chord_error, offset), offset)
+        return sample_rotated_flanks(gear, chord_error, offset, rotation)
+    return profile.outline(gear, profile.sagitta_parameters(gear, chord_error, offset), offset)
 
 
 def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
     """Compute the cross-section area of `gear_solid` [m2] from the outline of one lobe."""
     _require_separate_holes(reducer)
     chord_error = checked_chord_error(reducer, chord_error)
-    inside = _area_inside(reducer, chord_error)
-    bore, hole = (CircleContour(radius(reducer)).polygon(chord_error) for radius in (_bore_radius, _hole_radius))
-    return inside - signed_area(bore) - reducer.design.output.pins * signed_area(hole)
+    outline_area = _area_inside(reducer, chord_error)
+    bore_polygon, hole_polygon = (
+        CircleContour(radius(reducer)).polygon(chord_error) for radius in (_bore_radius, _hole_radius)
+    )
+    return outline_area - signed_area(bore_polygon) - reducer.design.output.pins * signed_area(hole_polygon)
 
 
 def _bore_radius(reducer: Reducer) -> float:
@@ -146,22 +148,28 @@ def _area_inside(reducer: Reducer, chord_error: float) -> float:
     """
     if reducer.design.modification.rotation:
         return -signed_area(gear_outline(reducer, chord_error))
-    teeth, offset = reducer.gear_profile, reducer.profile_offset
-    parameters = profile.sagitta_parameters(teeth, chord_error, offset)
-    lobe = profile.outline(teeth, parameters[: len(parameters) // teeth.lobes + 1], offset)
-    return -teeth.lobes * signed_area(np.concatenate([lobe, np.zeros((1, 2))]))
+    gear, offset = reducer.gear_profile, reducer.profile_offset
+    parameters = profile.sagitta_parameters(gear, chord_error, offset)
+    lobe_points = profile.outline(gear, parameters[: len(parameters) // gear.lobes + 1], offset)
+    return -gear.lobes * signed_area(np.concatenate([lobe_points, np.zeros((1, 2))]))
 
 
 def _require_separate_holes(reducer: Reducer) -> None:
     """Raise DesignError unless bore, holes and valleys are separate and the output pins can orbit in the holes."""
     design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance
-    orbit = (output.pin_radius + gear.eccentricity) * (1 - RELATIVE_ROUNDING)
+    min_hole_radius = (output.pin_radius + gear.eccentricity) * (1 - RELATIVE_ROUNDING)
     half_pitch = output.pin_circle_radius * math.sin(math.pi / output.pins)
-    bore_wall = output.pin_circle_radius - output.hole_radius - clearance.output
-    valley = reducer.gear_profile.pin_circle_radius - gear.eccentricity - reducer.profile_offset
-    valley_wall = valley - output.hole_radius - clearance.output
-    require_above("output.hole_radius", output.hole_radius, orbit, "the output pins cannot orbit in the holes")
+    inner_reach_of_holes = output.pin_circle_radius - output.hole_radius - clearance.output
+    valley_radius = reducer.gear_profile.pin_circle_radius - gear.eccentricity - reducer.profile_offset
+    max_pin_circle_radius = valley_radius - output.hole_radius - clearance.output
+    require_above(
+        "output.hole_radius", output.hole_radius, min_hole_radius, "the output pins cannot orbit in the holes"
+    )
     require_below("output.hole_radius", output.hole_radius, half_pitch - clearance.output, "neighbouring holes meet")
-    require_below("gear.bore_radius", gear.bore_radius, bore_wall - clearance.cam, "the bore meets the output holes")
-    require_below("output.pin_circle_radius", output.pin_circle_radius, valley_wall, "the holes meet the valleys")
+    require_below(
+        "gear.bore_radius", gear.bore_radius, inner_reach_of_holes - clearance.cam, "the bore meets the output holes"
+    )
+    require_below(
+        "output.pin_circle_radius", output.pin_circle_radius, max_pin_circle_radius, "the holes meet the valleys"
+    )

@@ -33,9 +33,11 @@ def pin_part(reducer: Reducer) -> Part:
         A sleeve is thicker than its radius: it has no bore.
     """
     design = reducer.design
-    bore = [CircleContour(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
+    bores = (
+        [CircleContour(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
+    )
     half_length = design.gear.stack_width / 2 / design.ring.halves
-    segment = Segment("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half_length, half_length)
+    segment = Segment("pin", CircleContour(design.ring.pin_radius), tuple(bores), -half_length, half_length)
     return Part("pin", (segment,), design.material_of("pin").density)
 
 
@@ -76,13 +78,13 @@ def housing_part(reducer: Reducer) -> Part:
         The housing is too thin, or its sockets do not retain the pins.
     """
     design = reducer.design
-    hole = _socket_contour(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
+    inner_contour = _socket_contour(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
-    rings = [
-        Segment("housing", outline, (TurnedContour(hole, offset_angle),), z_start, z_end)
+    ring_segments = [
+        Segment("housing", outline, (TurnedContour(inner_contour, offset_angle),), z_start, z_end)
         for z_start, z_end, offset_angle in ring_spans(reducer)
     ]
-    return Part("housing", (*rings, *_sleeve_pins(reducer)), design.material_of("housing").density)
+    return Part("housing", (*ring_segments, *_sleeve_pins(reducer)), design.material_of("housing").density)
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
@@ -126,18 +128,27 @@ def _sleeve_pins(reducer: Reducer) -> list[Segment]:
 def _socket_contour(reducer: Reducer) -> Contour:
     """Return the contour of the bore of a ring with sockets; raise DesignError if the sockets do not fit."""
     design = reducer.design
-    teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
-    radius = pin + design.socket_play
-    require_above("ring.pin_radius", pin, design.gear.eccentricity, "the gear's tips reach beyond the sockets")
-    max_wall_radius = centre * math.sin(math.pi / teeth) - design.socket_play
-    require_below("ring.pin_radius", pin, max_wall_radius, "neighbouring sockets meet")
-    require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")
-    return PinwheelContour(centre, radius, arc_half_angle(design, radius), wall_radius(design), teeth)
+    teeth, pin_circle_radius, pin_radius = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
+    socket_radius = pin_radius + design.socket_play
+    require_above("ring.pin_radius", pin_radius, design.gear.eccentricity, "the gear's tips reach beyond the sockets")
+    max_wall_radius = pin_circle_radius * math.sin(math.pi / teeth) - design.socket_play
+    require_below("ring.pin_radius", pin_radius, max_wall_radius, "neighbouring sockets meet")
+    require_above(
+        "housing.outer_radius",
+        design.housing.outer_radius,
+        pin_circle_radius + socket_radius,
+        "the sockets cut through it",
+    )
+    return PinwheelContour(
+        pin_circle_radius, socket_radius, arc_half_angle(design, socket_radius), wall_radius(design), teeth
+    )
 
 
 def _internal_gear(reducer: Reducer) -> Contour:
-    root, _ = envelope.radii(reducer.tooth_profile)
-    require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")
+    root_radius, _ = envelope.radii(reducer.tooth_profile)
+    require_above(
+        "housing.outer_radius", reducer.design.housing.outer_radius, root_radius, "the ring's roots cut through it"
+    )
     return InternalGearContour(reducer.shape)
 
 
@@ -158,8 +169,8 @@ class PinwheelContour:
     def polygon(self, chord_error: float) -> Array:
         """Return the bore of a ring with sockets as a polygon of n points (n, 2) [m] with a chord error [m]."""
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
-        edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
-        wall_arc = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
+        edge_angle, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
+        wall_arc = arc(self.wall, edge_angle, pitch - edge_angle, chord_error)[1:-1]
         pitch_outline = np.concatenate([socket, wall_arc])
         return np.concatenate(
             [rotate_points(pitch_outline, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)]
@@ -167,10 +178,10 @@ class PinwheelContour:
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return sockets and lands in turn, as arcs; `splines` is not used."""
-        half, y_axis_angle, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
-        edge = math.atan2(self.radius * math.sin(half), self.centre + self.radius * math.cos(half))
-        socket = Arc((0.0, self.centre), self.radius, y_axis_angle - half, y_axis_angle + half)
-        land = Arc((0.0, 0.0), self.wall, y_axis_angle + edge, y_axis_angle + pitch - edge)
+        half_angle, y_axis_angle, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
+        edge_angle = math.atan2(self.radius * math.sin(half_angle), self.centre + self.radius * math.cos(half_angle))
+        socket = Arc((0.0, self.centre), self.radius, y_axis_angle - half_angle, y_axis_angle + half_angle)
+        land = Arc((0.0, 0.0), self.wall, y_axis_angle + edge_angle, y_axis_angle + pitch - edge_angle)
         return tuple(rotate_curve(curve, -i * pitch) for i in range(self.teeth) for curve in (socket, land))
 
 

@@ -28,9 +28,9 @@ def mass_properties(solid: Solid) -> MassProperties:
     is density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).
     """
     moments = [_volume_moments(prism) for prism in solid.prisms]
-    volume = sum(part[0] for part in moments)
-    first_moment = np.sum([part[1] for part in moments], axis=0)
-    second_moment = np.sum([part[2] for part in moments], axis=0)
+    volume = sum(prism_moments[0] for prism_moments in moments)
+    first_moment = np.sum([prism_moments[1] for prism_moments in moments], axis=0)
+    second_moment = np.sum([prism_moments[2] for prism_moments in moments], axis=0)
     central_moment = second_moment - np.outer(first_moment, first_moment) / volume
     return MassProperties(
         mass=significant(solid.density * volume),
@@ -42,8 +42,8 @@ def mass_properties(solid: Solid) -> MassProperties:
 
 def region_moments(prism: Prism) -> AreaMoments:
     """Compute the area moments of a prism's cross-section: its outline less its holes."""
-    rings = [np.array(area_moments(prism.outline)), *(-np.array(area_moments(hole)) for hole in prism.holes)]
-    return AreaMoments(*map(float, np.sum(rings, axis=0)))
+    polygon_moments = [np.array(area_moments(prism.outline)), *(-np.array(area_moments(hole)) for hole in prism.holes)]
+    return AreaMoments(*map(float, np.sum(polygon_moments, axis=0)))
 
 
 def _volume_moments(prism: Prism) -> tuple[float, Array, Array]:

@@ -70,16 +70,16 @@ class Thread:
 
     @property
     def _stress_diameter(self) -> float:
-        core = self.diameter - 17.0 / 12.0 * math.sqrt(0.75) * self.pitch
-        return 0.5 * (self.pitch_diameter + core)
+        core_diameter = self.diameter - 17.0 / 12.0 * math.sqrt(0.75) * self.pitch
+        return 0.5 * (self.pitch_diameter + core_diameter)
 
     def largest_preload(
         self, proof: float, friction: float = JOINTS.thread_friction, utilisation: float = 0.9
     ) -> float:
         """Compute the largest assembly preload [N] at a proof stress [Pa], with torsion of the shank (R8/1)."""
         slope = self.pitch / (math.pi * self.pitch_diameter) + 1.155 * friction
-        torsion = 1.5 * self.pitch_diameter / self._stress_diameter * slope
-        return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion**2)
+        torsion_ratio = 1.5 * self.pitch_diameter / self._stress_diameter * slope
+        return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion_ratio**2)
 
     def usual_preload(self, proof: float) -> float:
         """Compute the preload [N] of `JointStrengthSettings.utilisation`."""
@@ -150,9 +150,13 @@ def tilting_dowel_force(
     [m] is that of the dowel, and `shear` [Pa] its shear strength.
     """
     (depth, other_depth), (strength, other_strength) = depths, yield_strengths
-    ratio, softness = other_depth / depth, other_strength / strength
-    root = softness + 2.0 * softness**2 * (1.0 + ratio + ratio**2) + softness**3 * ratio**2
-    tilting_share = (math.sqrt(root) - softness * (1.0 + ratio)) / (1.0 + softness)
+    depth_ratio, strength_ratio = other_depth / depth, other_strength / strength
+    root = (
+        strength_ratio
+        + 2.0 * strength_ratio**2 * (1.0 + depth_ratio + depth_ratio**2)
+        + strength_ratio**3 * depth_ratio**2
+    )
+    tilting_share = (math.sqrt(root) - strength_ratio * (1.0 + depth_ratio)) / (1.0 + strength_ratio)
     hole_forces = (dowel_force(diameter, *hole, shear) for hole in zip(depths, yield_strengths, strict=True))
     return min(*hole_forces, diameter * depth * strength * tilting_share)
 
@@ -188,11 +192,11 @@ class PressFit:
 
     def pressure(self, interference: float) -> float:
         """Compute the joint pressure [Pa] of an effective interference in diameter [m]; 0 for a clearance (Lame)."""
-        outer, inner = (self.diameter / self.outside) ** 2, (self.bore / self.diameter) ** 2
-        (hub, hub_ratio), (shaft, shaft_ratio) = self.hub, self.shaft
-        softness = ((1.0 + outer) / (1.0 - outer) + hub_ratio) / hub
-        softness += ((1.0 + inner) / (1.0 - inner) - shaft_ratio) / shaft
-        return max(interference, 0.0) / (self.diameter * softness)
+        squared_hub_ratio, squared_bore_ratio = (self.diameter / self.outside) ** 2, (self.bore / self.diameter) ** 2
+        (hub_modulus, hub_poisson), (shaft_modulus, shaft_poisson) = self.hub, self.shaft
+        compliance = ((1.0 + squared_hub_ratio) / (1.0 - squared_hub_ratio) + hub_poisson) / hub_modulus
+        compliance += ((1.0 + squared_bore_ratio) / (1.0 - squared_bore_ratio) - shaft_poisson) / shaft_modulus
+        return max(interference, 0.0) / (self.diameter * compliance)
 
     def yield_pressure(self, yield_strength: float) -> float:
         """Compute the pressure [Pa] at which the bore of the hub yields: (1 - Q^2) R_e/sqrt(3)."""
@@ -200,13 +204,13 @@ class PressFit:
 
     def shaft_yield_pressure(self, yield_strength: float) -> float:
         """Compute the pressure [Pa] at which the shaft yields: 2 R_e/sqrt(3), with a bore (1 - Q^2) R_e/sqrt(3)."""
-        share = 1.0 - (self.bore / self.diameter) ** 2 if self.bore else 2.0
-        return share * yield_strength / math.sqrt(3.0)
+        factor = 1.0 - (self.bore / self.diameter) ** 2 if self.bore else 2.0
+        return factor * yield_strength / math.sqrt(3.0)
 
     def growth(self, pressure: float) -> float:
         """Compute by how much the outside diameter of the hub grows [m] under a joint pressure [Pa] (Lame)."""
-        ratio, (modulus, _) = (self.diameter / self.outside) ** 2, self.hub
-        return 2.0 * pressure * ratio / (1.0 - ratio) * self.outside / modulus
+        squared_ratio, (modulus, _) = (self.diameter / self.outside) ** 2, self.hub
+        return 2.0 * pressure * squared_ratio / (1.0 - squared_ratio) * self.outside / modulus
 
     def force(self, pressure: float, friction: float = JOINTS.interface_friction) -> float:
         """Compute the axial force [N] that a joint pressure [Pa] transmits."""
@@ -259,8 +263,8 @@ class StraightSpline:
 
         p = 2 T/(d_m h l 0.75 n), d_m = (D + d)/2, for a hub that is centred on the minor diameter (Roloff/Matek 12.8).
         """
-        mean = 0.5 * (self.major + self.minor)
-        return 2.0 * torque / (mean * self.flank_height * self.length * JOINTS.spline_share * self.count)
+        mean_diameter = 0.5 * (self.major + self.minor)
+        return 2.0 * torque / (mean_diameter * self.flank_height * self.length * JOINTS.spline_share * self.count)
 
     def torque(self, yield_strength: float) -> float:
         """Compute the torque [N m] at which the flanks of the weakest part yield [Pa]."""

@@ -61,7 +61,7 @@ def mesh(part: Prism | Solid) -> Mesh:
     united_mesh = manifold3d.Manifold.batch_boolean(pieces, manifold3d.OpType.Add).to_mesh64()
     vertices = np.array(united_mesh.vert_properties) * GRIDS.unit
     levels = sorted(z_of_level)
-    vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, levels, [z_of_level[number] for number in levels])
+    vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, levels, [z_of_level[level] for level in levels])
     shape = Mesh(vertices, np.array(united_mesh.tri_verts, dtype=np.int32))
     volume, expected_volume = _volume(shape), mass_properties(solid).volume
     if not abs(volume / expected_volume - 1.0) <= VOLUME_TOLERANCE:
@@ -77,10 +77,12 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
 
     Heights are rounded to `GRIDS.height`. `name` is the name of the part, for the error message.
     """
-    rings = [np.round(ring / GRIDS.plane) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
+    polygons = [np.round(polygon / GRIDS.plane) for polygon in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     scale = GRIDS.plane / GRIDS.unit
-    section = manifold3d.CrossSection([ring * scale for ring in rings])
-    new_corners = np.setdiff1d(_corners([np.round(ring / scale) for ring in section.to_polygons()]), _corners(rings))
+    section = manifold3d.CrossSection([polygon * scale for polygon in polygons])
+    new_corners = np.setdiff1d(
+        _corners([np.round(polygon / scale) for polygon in section.to_polygons()]), _corners(polygons)
+    )
     if new_corners.size:
         x, y = np.array([new_corners[0].real, new_corners[0].imag]) * GRIDS.plane * MILLIMETRES
         raise _contact_error(name, f" near x = {x:.6g} mm, y = {y:.6g} mm")
@@ -91,23 +93,23 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
             f"{expected_area * prism.height:.9g} m3, because a hole lies outside the outline or inside another hole: "
             "reduce the radii of the holes of this part in the design"
         )
-    if section.num_contour() != len(rings):
+    if section.num_contour() != len(polygons):
         raise _contact_error(name, "")
-    bottom, top = (round(z / GRIDS.height) * GRIDS.height / GRIDS.unit for z in (prism.z0, prism.z1))
-    return section.extrude(top - bottom).translate((0.0, 0.0, bottom))
+    lower_level, upper_level = (round(z / GRIDS.height) * GRIDS.height / GRIDS.unit for z in (prism.z0, prism.z1))
+    return section.extrude(upper_level - lower_level).translate((0.0, 0.0, lower_level))
 
 
-def _corners(rings: list[Array]) -> npt.NDArray[np.complex128]:
+def _corners(polygons: list[Array]) -> npt.NDArray[np.complex128]:
     """Return the vertices of polygons (n, 2) as complex numbers."""
-    x, y = np.concatenate([np.empty((0, 2)), *rings]).T
+    x, y = np.concatenate([np.empty((0, 2)), *polygons]).T
     return x + 1j * y
 
 
-def _contact_error(name: str, where: str) -> DesignError:
+def _contact_error(name: str, position_text: str) -> DesignError:
     """Return the error of a part whose outlines touch or cross."""
     return DesignError(
-        f"two outlines of the {name} touch or cross{where}, so the part is not in one piece: change the dimensions of "
-        "the holes and teeth that meet there"
+        f"two outlines of the {name} touch or cross{position_text}, so the part is not in one piece: change the "
+        "dimensions of the holes and teeth that meet there"
     )
 
 

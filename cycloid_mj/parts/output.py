@@ -31,14 +31,16 @@ def output_part(reducer: Reducer) -> Part:
     design = reducer.design
     gear, output, half_width = design.gear, design.output, design.gear.stack_width / 2
     face_z = half_width + AXIAL_GAP
-    both_ends = output.support == "both_ends"
+    has_second_disc = output.support == "both_ends"
     rim = CircleContour(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
     disc = Segment("disc", rim, (), face_z, face_z + output.disc_thickness)
-    start = -face_z if both_ends else -half_width
-    pins = [Segment("pins", pin, (), start, face_z) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
+    pins_start = -face_z if has_second_disc else -half_width
+    pins = [
+        Segment("pins", pin, (), pins_start, face_z) for pin in circles_at(pin_radius(reducer), output_centres(reducer))
+    ]
     opening = CircleContour(gear.bore_radius + gear.eccentricity)
     second_disc = (
-        [Segment("second_disc", rim, (opening,), -face_z - output.disc_thickness, -face_z)] if both_ends else []
+        [Segment("second_disc", rim, (opening,), -face_z - output.disc_thickness, -face_z)] if has_second_disc else []
     )
     return Part(names.OUTPUT, (disc, *pins, *second_disc), design.material_of("output").density)
 

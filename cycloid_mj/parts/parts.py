@@ -101,16 +101,16 @@ def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
     Returns
     -------
     dict
-        For the name of each copy, its part and its position (3,) [m] in the frame of the body; empty if it carries
-        none.
+        For the name of each copy, such as ``spacer_2``, its part and its position (3,) [m] in the frame of the body;
+        empty if it carries none.
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer):
         return {}
     if body == names.SHAFT and not reducer.design.has_one_piece_crank:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
-        middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
-        spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
+        gap_middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
+        spacers = zip(names.all_numbered(names.SPACER, len(gap_middles)), gap_middles, strict=True)
         return cams | {name: (names.SPACER, np.array([0.0, 0.0, mid_height])) for name, mid_height in spacers}
     if body == names.OUTPUT and reducer.design.output.has_roller_parts:
         return roller_positions(reducer)
@@ -144,15 +144,15 @@ def _crank_solid(reducer: Reducer) -> Solid:
 @once
 def _output_with_rollers(reducer: Reducer) -> Solid:
     """Return the output disc with its pins and the rollers on them as one solid."""
-    parts = _parts(reducer, None)
-    (tube,) = parts[names.ROLLER].prisms
+    solids = _parts(reducer, None)
+    (tube,) = solids[names.ROLLER].prisms
     rollers = [
         Prism(tube.outline + position[:2], tuple(hole + position[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
         for _, position in attached_parts(reducer, names.OUTPUT).values()
         for z in (float(position[2]),)
     ]
-    output = parts[names.OUTPUT]
-    return Solid(names.OUTPUT, (*output.prisms, *rollers), output.density)
+    disc_and_pins = solids[names.OUTPUT]
+    return Solid(names.OUTPUT, (*disc_and_pins.prisms, *rollers), disc_and_pins.density)
 
 
 @once
@@ -164,10 +164,10 @@ def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     """
     if isinstance(reducer, RvReducer):
         return rv_body_parts(reducer)
-    discs = reducer.design.gear.discs
+    disc_count = reducer.design.gear.discs
     is_one_piece = reducer.design.has_one_piece_crank
-    crank = (crank_part(reducer, chord_error),) if is_one_piece else crank_parts(reducer)
-    all_parts = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
+    parts_of_crank = (crank_part(reducer, chord_error),) if is_one_piece else crank_parts(reducer)
+    all_parts = [housing_part(reducer), *parts_of_crank, *(gear_part(reducer, disc) for disc in range(disc_count))]
     if reducer.design.ring.kind == "pin":
         all_parts.append(pin_part(reducer))
     all_parts.append(output_part(reducer))

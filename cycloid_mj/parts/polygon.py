@@ -33,16 +33,24 @@ def area_moments(polygon: Array) -> AreaMoments:
 def _moments(vertices: bytes) -> AreaMoments:
     polygon = np.frombuffer(vertices).reshape(-1, 2)
     x, y = polygon.T
-    u, v = np.roll(polygon, -1, axis=0).T
-    weights = [np.ones(len(x)), x + u, y + v, x * x + x * u + u * u, y * y + y * v + v * v]
-    weights.append(2 * x * y + x * v + u * y + 2 * u * v)
-    return AreaMoments(*(_accurate_sums((x * v - u * y) * np.array(weights)) / (2, 6, 6, 12, 12, 24)).tolist())
+    next_x, next_y = np.roll(polygon, -1, axis=0).T
+    weights = [
+        np.ones(len(x)),
+        x + next_x,
+        y + next_y,
+        x * x + x * next_x + next_x * next_x,
+        y * y + y * next_y + next_y * next_y,
+    ]
+    weights.append(2 * x * y + x * next_y + next_x * y + 2 * next_x * next_y)
+    return AreaMoments(
+        *(_accurate_sums((x * next_y - next_x * y) * np.array(weights)) / (2, 6, 6, 12, 12, 24)).tolist()
+    )
 
 
 def signed_area(polygon: Array) -> float:
     """Compute the area [m2] of a polygon (n, 2) [m], exactly; negative for a clockwise polygon."""
-    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    return float(_accurate_sums((x * v - u * y)[np.newaxis])[0]) / 2
+    (x, y), (next_x, next_y) = polygon.T, np.roll(polygon, -1, axis=0).T
+    return float(_accurate_sums((x * next_y - next_x * y)[np.newaxis])[0]) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
@@ -51,8 +59,8 @@ def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
     The ends are at the polar angles `start` and `end` [rad] from +x, counter-clockwise. Chords deviate from the arc by
     at most `chord_error` [m].
     """
-    angle = np.linspace(start, end, _count_chords(radius, end - start, chord_error) + 1)
-    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    angles = np.linspace(start, end, _count_chords(radius, end - start, chord_error) + 1)
+    return radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0, 0.0)) -> Array:
@@ -73,14 +81,14 @@ def rotate_points(points: Array, angle: float) -> Array:
     """Rotate points (n, 2) counter-clockwise about the origin by an angle [rad]."""
     if not angle:
         return points
-    cos, sin = math.cos(angle), math.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def rotate_clockwise(points: Array, angle: float) -> Array:
     """Rotate points (n, 2) clockwise about the origin by an angle [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, -sin], [sin, cos]])
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, -sine], [sine, cosine]])
 
 
 def within(points: Array, loop: Array) -> Mask:
@@ -111,5 +119,5 @@ def _accurate_sums(values: Array) -> Array:
 
 def _count_chords(radius: float, span: float, chord_error: float) -> int:
     """Return the number of chords for a sagitta radius (1 - cos(step / 2)); at least 8 per turn."""
-    step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
-    return max(1, math.ceil(abs(span) / step))
+    max_step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
+    return max(1, math.ceil(abs(span) / max_step))

@@ -87,12 +87,12 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
     design = reducer.design
     by_name, density = shaft_segments(reducer), design.material_of("shaft").density
     journal, cams = by_name[JOURNAL], [by_name[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
-    ring, half_gap = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
-    ends = by_name.get(FAR, cams[-1]).z1
+    spacer, half_gap = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
+    shaft_end = by_name.get(FAR, cams[-1]).z1
     return (
-        Part(names.SHAFT, (Segment(JOURNAL, journal.outline, journal.holes, journal.z0, ends),), density),
-        Part(names.SPACER, (Segment(names.SPACER, ring.outline, ring.holes, -half_gap, half_gap),), density),
-        *(Part(cam.name, (Segment(names.CAM, cam.outline, ring.holes, cam.z0, cam.z1),), density) for cam in cams),
+        Part(names.SHAFT, (Segment(JOURNAL, journal.outline, journal.holes, journal.z0, shaft_end),), density),
+        Part(names.SPACER, (Segment(names.SPACER, spacer.outline, spacer.holes, -half_gap, half_gap),), density),
+        *(Part(cam.name, (Segment(names.CAM, cam.outline, spacer.holes, cam.z0, cam.z1),), density) for cam in cams),
     )
 
 
@@ -118,8 +118,11 @@ class CounterweightContour:
 
         The points of the half circle come first.
         """
-        lower, journal = arc(self.radius, math.pi, 2 * math.pi, chord_error), self.journal.polygon(chord_error)
-        return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
+        half_circle, journal_polygon = (
+            arc(self.radius, math.pi, 2 * math.pi, chord_error),
+            self.journal.polygon(chord_error),
+        )
+        return np.concatenate([half_circle, journal_polygon[: len(journal_polygon) // 2 + 1]])
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return the outline of the counterweight: its half circle, an edge, the arc of the journal, the other edge.
@@ -145,15 +148,15 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
     journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     counterweight = CounterweightContour(shaft.counterweight_radius, journal)
-    end = reducer.near_face
-    start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
+    weight_end = reducer.near_face
+    weight_start = weight_end - _balancing_thickness(reducer, cam, counterweight, chord_error)
     bore = _through_bore(reducer)
     return [
-        Segment(JOURNAL, journal, bore, end - shaft.length, start),
-        Segment(COUNTERWEIGHT, counterweight, bore, start, end),
-        Segment(INNER, journal, bore, end, -half_width),
+        Segment(JOURNAL, journal, bore, weight_end - shaft.length, weight_start),
+        Segment(COUNTERWEIGHT, counterweight, bore, weight_start, weight_end),
+        Segment(INNER, journal, bore, weight_end, -half_width),
         Segment(names.CAM, cam, bore, -half_width, half_width),
-        *_far_journal(reducer, journal, start - (end - shaft.length)),
+        *_far_journal(reducer, journal, weight_start - (weight_end - shaft.length)),
     ]
 
 
@@ -176,17 +179,20 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
         problem = "the journals are too thick for the cam bearings"
     require_below("shaft.radius", shaft.radius, free_radius, problem)
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
-    ring = CircleContour(spacer_radius(reducer))
-    planes, end, bore = gear.disc_planes, reducer.near_face, _through_bore(reducer)
-    crank_segments = [Segment(JOURNAL, journal, bore, end - shaft.length, planes[0] - half_width)]
+    spacer_contour = CircleContour(spacer_radius(reducer))
+    planes, near_face, bore = gear.disc_planes, reducer.near_face, _through_bore(reducer)
+    crank_segments = [Segment(JOURNAL, journal, bore, near_face - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
-            gap = planes[number - 2] + half_width, plane - half_width
-            neck, spacer = (names.numbered_name(family, number - 1) for family in (NECK, names.SPACER))
+            gap_ends = planes[number - 2] + half_width, plane - half_width
+            neck_name, spacer_name = (names.numbered_name(family, number - 1) for family in (NECK, names.SPACER))
             if is_one_piece:
-                crank_segments.append(Segment(spacer, ring, bore, *gap))
+                crank_segments.append(Segment(spacer_name, spacer_contour, bore, *gap_ends))
             else:
-                crank_segments += [Segment(neck, journal, bore, *gap), Segment(spacer, ring, (journal,), *gap)]
+                crank_segments += [
+                    Segment(neck_name, journal, bore, *gap_ends),
+                    Segment(spacer_name, spacer_contour, (journal,), *gap_ends),
+                ]
         cam_contour = TurnedContour(cam, phase)
         crank_segments.append(
             Segment(names.numbered_name(names.CAM, number), cam_contour, bore, plane - half_width, plane + half_width)
@@ -236,18 +242,22 @@ def bearing_seats(
     return (far_start, far_start + width), (near_start - width, near_start)
 
 
-def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Segment]:
+def _far_journal(reducer: Reducer, outline: Contour, journal_length: float) -> list[Segment]:
     """Return the journal of the shaft beyond the discs, for the bearing in the hub; empty for an overhung shaft.
 
-    `outline` is its cross-section. `journal` [m] is the length of the journal before the discs, which limits the width
-    of the bearing.
+    `outline` is its cross-section. `journal_length` [m] is the length of the journal before the discs, which limits the
+    width of the bearing.
     """
     if reducer.design.shaft.mounting == "overhang":
         return []
     half_width = reducer.design.gear.stack_width / 2
     return [
         Segment(
-            FAR, outline, _through_bore(reducer), half_width, half_width + AXIAL_GAP + bearing_width(reducer, journal)
+            FAR,
+            outline,
+            _through_bore(reducer),
+            half_width,
+            half_width + AXIAL_GAP + bearing_width(reducer, journal_length),
         )
     ]
 
@@ -279,7 +289,7 @@ def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour,
     shaft = design.shaft
     if thickness >= shaft.length:
         # a half disc has the static moment -2/3 R^3 per thickness, the shaft in it takes 2/3 r^3 away
-        radius = (shaft.radius**3 + 1.5 * unbalance / shaft.length) ** (1 / 3)
+        min_radius = (shaft.radius**3 + 1.5 * unbalance / shaft.length) ** (1 / 3)
         failure_text = "no counterweight within the shaft's length balances the gear"
-        raise too_small("shaft.counterweight_radius", shaft.counterweight_radius, radius, failure_text)
+        raise too_small("shaft.counterweight_radius", shaft.counterweight_radius, min_radius, failure_text)
     return thickness

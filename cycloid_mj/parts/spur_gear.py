@@ -36,11 +36,20 @@ class SpurGearContour:
         downwards = [
             rotate_curve(Spline(-piece.knots[::-1], piece.controls[::-1]), -pitch) for piece in reversed(tooth_side)
         ]
-        root, tip, y_axis_angle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
+        root_half_angle, tip_half_angle, y_axis_angle = (
+            gear.corner_offset / gear.reference_radius,
+            gear.tip_half_angle,
+            math.pi / 2.0,
+        )
         tooth: tuple[Curve, ...] = (
-            Arc((0.0, 0.0), gear.root_radius, y_axis_angle - root, y_axis_angle + root),
+            Arc((0.0, 0.0), gear.root_radius, y_axis_angle - root_half_angle, y_axis_angle + root_half_angle),
             *upwards,
-            Arc((0.0, 0.0), gear.tip_radius, y_axis_angle + pitch / 2.0 - tip, y_axis_angle + pitch / 2.0 + tip),
+            Arc(
+                (0.0, 0.0),
+                gear.tip_radius,
+                y_axis_angle + pitch / 2.0 - tip_half_angle,
+                y_axis_angle + pitch / 2.0 + tip_half_angle,
+            ),
             *downwards,
         )
         return tuple(rotate_curve(curve, -number * pitch) for number in range(gear.teeth) for curve in tooth)
@@ -49,15 +58,24 @@ class SpurGearContour:
         """Return the outline of a spur gear as a polygon of n points (n, 2) [m] on it, with a chord error [m]."""
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
         chords = _count_chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
-        corner = np.linspace(0.0, gear.last_corner, chords + 1)
+        corners = np.linspace(0.0, gear.last_corner, chords + 1)
         chords = _count_chords(gear.last_roll - gear.first_roll, gear.base_radius * gear.last_roll, chord_error)
-        roll = np.linspace(gear.first_roll, gear.last_roll, chords + 1)
-        tooth_side = np.concatenate([gear.fillet(corner), gear.flank(roll)[1:]])
-        root, tip, y_axis_angle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
-        bottom = arc(gear.root_radius, y_axis_angle - root, y_axis_angle + root, chord_error)
-        top = arc(gear.tip_radius, y_axis_angle + pitch / 2.0 - tip, y_axis_angle + pitch / 2.0 + tip, chord_error)
+        rolls = np.linspace(gear.first_roll, gear.last_roll, chords + 1)
+        tooth_side = np.concatenate([gear.fillet(corners), gear.flank(rolls)[1:]])
+        root_half_angle, tip_half_angle, y_axis_angle = (
+            gear.corner_offset / gear.reference_radius,
+            gear.tip_half_angle,
+            math.pi / 2.0,
+        )
+        root_arc = arc(gear.root_radius, y_axis_angle - root_half_angle, y_axis_angle + root_half_angle, chord_error)
+        tip_arc = arc(
+            gear.tip_radius,
+            y_axis_angle + pitch / 2.0 - tip_half_angle,
+            y_axis_angle + pitch / 2.0 + tip_half_angle,
+            chord_error,
+        )
         mirrored_side = rotate_points(tooth_side[::-1], pitch)
-        tooth = np.concatenate([bottom, (tooth_side * MIRROR)[1:], top[1:], mirrored_side[1:-1]])
+        tooth = np.concatenate([root_arc, (tooth_side * MIRROR)[1:], tip_arc[1:], mirrored_side[1:-1]])
         return np.concatenate([rotate_points(tooth, number * pitch) for number in range(gear.teeth)])
 
 

@@ -57,15 +57,15 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
     DesignError
         A disc is undercut, its flanks are rotated or have waves, or a slice is not convex.
     """
-    ring: tuple[ConvexSurface, ...] = ()
+    ring_surfaces: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":
-        ring = (ring_lobes(reducer, settings),)
+        ring_surfaces = (ring_lobes(reducer, settings),)
     elif reducer.design.ring.has_sockets:
-        ring = (pin_sockets(reducer, settings),)
+        ring_surfaces = (pin_sockets(reducer, settings),)
     errors = reducer.deviations.disc_radius
-    teeth = [
+    tooth_surfaces = [
         gear_teeth(reducer, settings, disc) for disc, error in enumerate(errors) if disc == 0 or error != errors[0]
     ]
     if isinstance(reducer, RvReducer):
-        return (*teeth, *ring)
-    return (*teeth, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring)
+        return (*tooth_surfaces, *ring_surfaces)
+    return (*tooth_surfaces, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring_surfaces)

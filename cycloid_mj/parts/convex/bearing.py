@@ -36,8 +36,8 @@ class Hole:
 
 def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Return the bore of the disc in the frame of the disc; `member` is 1."""
-    cam = reducer.design.gear.bore_radius
-    hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
+    cam_radius = reducer.design.gear.bore_radius
+    hole = Hole("bore", cam_radius + reducer.design.clearance.cam, cam_radius, math.pi, np.zeros(1), np.zeros((1, 2)))
     return _facet_walls(hole, gear_depth(reducer, settings), reducer, settings)
 
 
@@ -87,8 +87,8 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     facet_angle = 2.0 * hole.half_angle / count
-    error = 0.5 * play * (1.0 / math.cos(0.5 * facet_angle) - 1.0)
-    facet_radius, outer_radius = hole.radius - error, hole.radius + depth
+    facet_error = 0.5 * play * (1.0 / math.cos(0.5 * facet_angle) - 1.0)
+    facet_radius, outer_radius = hole.radius - facet_error, hole.radius + depth
     width = 2.0 * facet_radius * math.tan(0.5 * facet_angle)
     edges = np.array([-0.5, 0.5]) * facet_angle
     overlap_offset = 0.5 * METHOD.overlap * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
@@ -108,7 +108,7 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
     sample_directions = unit(
         hole.turns[0] + np.linspace(-1.0, 1.0, METHOD.samples, endpoint=not is_full_circle) * hole.half_angle
     )
-    corner = facet_radius / math.cos(0.5 * facet_angle) - hole.radius
+    corner_excess = facet_radius / math.cos(0.5 * facet_angle) - hole.radius
     base_area = 0.5 * count * outer_radius**2 * math.sin(facet_angle)
     return ConvexSurface(
         name=hole.name,
@@ -119,6 +119,6 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
         normals=-sample_directions,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),
         depth=depth * math.cos(0.5 * facet_angle),
-        overfill_bound=METHOD.tolerance * max(error, settings.play_error),
-        underfill_bound=METHOD.tolerance * corner,
+        overfill_bound=METHOD.tolerance * max(facet_error, settings.play_error),
+        underfill_bound=METHOD.tolerance * corner_excess,
     )

@@ -36,10 +36,10 @@ def require_convex_slices(surface: ConvexSurface, settings: CoacdSettings) -> No
 
     `settings` are the parameters of CoACD.
     """
-    for number in range(len(surface.slices)):
-        pieces = len(coacd_pieces(mesh(prism(surface, number)), settings))
-        if pieces != 1:
+    for index in range(len(surface.slices)):
+        piece_count = len(coacd_pieces(mesh(prism(surface, index)), settings))
+        if piece_count != 1:
             raise DesignError(
-                f"slice {number + 1} of the {surface.name} is not convex (CoACD splits it into {pieces} parts): reduce "
-                "ConvexSettings.depth"
+                f"slice {index + 1} of the {surface.name} is not convex (CoACD splits it into {piece_count} parts): "
+                "reduce ConvexSettings.depth"
             )

@@ -38,10 +38,10 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
         METHOD.reach,
         seam=METHOD.coacd_grid * float(np.ptp(region.outline)),
     )
-    volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
+    piece_volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
     true_volume = region_moments(region).area * region.height
     return summarize_quality(
-        np.minimum(union_ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0
+        np.minimum(union_ends, free_distance(region, points, normals)), len(pieces), piece_volume / true_volume - 1.0
     )
 
 
@@ -56,9 +56,9 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
         Points (k, 2) [m], and unit normals out of the material (k, 2).
     """
     points, normals = [], []
-    for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
-        edges = np.roll(ring, -1, axis=0) - ring
-        for corner, edge, edge_length in zip(ring, edges, np.linalg.norm(edges, axis=1), strict=True):
+    for polygon in (region.outline, *(hole[::-1] for hole in region.holes)):
+        edges = np.roll(polygon, -1, axis=0) - polygon
+        for corner, edge, edge_length in zip(polygon, edges, np.linalg.norm(edges, axis=1), strict=True):
             count = math.ceil(edge_length / METHOD.spacing)
             points.append(corner + (np.arange(count)[:, np.newaxis] + 0.5) / count * edge)
             normals.append(np.tile([edge[1] / edge_length, -edge[0] / edge_length], (count, 1)))
@@ -71,9 +71,9 @@ def free_distance(region: Prism, points: Array, normals: Array) -> Array:
     It is at most `METHOD.reach`, also where there is no opposite wall. `region` is the prism; `points` (k, 2) [m] are
     on its walls, and the unit `normals` (k, 2) point out of the material.
     """
-    rings = (region.outline, *region.holes)
-    starts = np.concatenate(rings)
-    edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])
+    polygons = (region.outline, *region.holes)
+    starts = np.concatenate(polygons)
+    edges = np.concatenate([np.roll(polygon, -1, axis=0) - polygon for polygon in polygons])
     return np.array(
         [_first_crossing(starts - point, edges, normal) for point, normal in zip(points, normals, strict=True)]
     )

@@ -95,12 +95,12 @@ def union_heights(
     seam
         Gaps up to this width are ignored [m].
     """
-    sample, line_start, line_end = _inside_intervals(points, normals, bodies, max(start, reach))
+    line_index, line_start, line_end = _inside_intervals(points, normals, bodies, max(start, reach))
     heights = np.full(len(points), -start)
     while True:
-        is_joined = line_start <= heights[sample] + seam
+        is_joined = line_start <= heights[line_index] + seam
         extended_end = heights.copy()
-        np.maximum.at(extended_end, sample[is_joined], line_end[is_joined])
+        np.maximum.at(extended_end, line_index[is_joined], line_end[is_joined])
         if not (extended_end > heights).any():
             return np.minimum(heights, reach)
         heights = extended_end
@@ -112,7 +112,7 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     Raises
     ------
     DesignError
-        The deviation exceeds its bound.
+        A deviation exceeds `overfill_bound` or `underfill_bound` of the surface.
     """
     outlines = [placed_outline(surface, placement) for placement in surface.places]
     search_depth, max_height = 0.5 * surface.depth, surface.depth
@@ -153,10 +153,10 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
         ("extend beyond its outline", quality.max_overfill, overfill),
         ("fall short of its outline", quality.max_underfill, underfill),
     )
-    for verb, value, bound in sides:
-        if not value <= bound:
+    for verb, deviation, bound in sides:
+        if not deviation <= bound:
             raise DesignError(
-                f"convex pieces of the {name} {verb} by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} um are "
+                f"convex pieces of the {name} {verb} by {1e6 * deviation:.4g} um, but at most {1e6 * bound:.4g} um are "
                 "allowed: reduce chord_error or depth of ConvexSettings"
             )
 
@@ -194,5 +194,5 @@ def _inside_intervals(
         is_outside = ((np.abs(slope) <= METHOD.parallel) & (plane_distance < -METHOD.seam)).any(axis=1)
         is_inside = (line_start <= line_end) & ~is_outside
         intervals.append((near_points[is_inside], line_start[is_inside], line_end[is_inside]))
-    sample, line_start, line_end = (np.concatenate(column) for column in zip(*intervals, strict=True))
-    return sample, line_start, line_end
+    line_index, line_start, line_end = (np.concatenate(column) for column in zip(*intervals, strict=True))
+    return line_index, line_start, line_end

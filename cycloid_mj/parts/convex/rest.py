@@ -52,19 +52,23 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     `settings` are the settings of these slices. Spacers and output pins have no sectors. A bore through the shaft is
     filled, because nothing touches it.
     """
-    error = settings.rest_chord_error
+    chord_error = settings.rest_chord_error
     max_deviation = settings.depth * reducer.design.ring.pin_radius
-    crank = [segment for name, segment in shaft_segments(reducer, error).items() if family(name) != SPACER]
-    shaft = [Sector("shaft", replace(segment, holes=()).prism(error), max_deviation) for segment in crank]
-    disc, *other_prisms = output_solid(reducer, error).prisms
-    output = [Sector("output", disc, max_deviation)]
+    segments = [segment for name, segment in shaft_segments(reducer, chord_error).items() if family(name) != SPACER]
+    shaft_sectors = [
+        Sector("shaft", replace(segment, holes=()).prism(chord_error), max_deviation) for segment in segments
+    ]
+    disc, *other_prisms = output_solid(reducer, chord_error).prisms
+    output_sectors = [Sector("output", disc, max_deviation)]
     for plate in other_prisms[reducer.design.output.pins :]:
-        inner, outer = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
+        inner_radius, outer_radius = (
+            float(np.linalg.norm(polygon, axis=1).max()) for polygon in (plate.holes[0], plate.outline)
+        )
         # so narrow that its inner arc is as good as straight
-        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * max_deviation / inner, 0.0)))
-        wedge = Prism(_ring_sector(inner, outer, math.pi / count, error), (), plate.z0, plate.z1)
-        output.append(Sector("output", wedge, max_deviation, count))
-    return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft, *output)
+        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * max_deviation / inner_radius, 0.0)))
+        wedge = Prism(_ring_sector(inner_radius, outer_radius, math.pi / count, chord_error), (), plate.z0, plate.z1)
+        output_sectors.append(Sector("output", wedge, max_deviation, count))
+    return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft_sectors, *output_sectors)
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
@@ -102,28 +106,33 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
     Raises
     ------
     DesignError
-        Nothing is left between hub and lobes.
+        The slices of the teeth reach into the material around the output holes.
     """
     design = reducer.design
-    depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
+    depth, chord_error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
     half_width = design.gear.face_width / 2.0
-    hole = output.hole_radius + design.clearance.output + depth
-    base_outline = gear_base(reducer, depth, error)
-    mid_radius = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base_outline, axis=1).min()))
-    inner = design.gear.bore_radius + design.clearance.cam + depth
-    hole_outline = circle(hole, error, (0.0, output.pin_circle_radius))
-    hub = Prism(_ring_sector(inner, mid_radius, math.pi / output.pins, error), (hole_outline,), -half_width, half_width)
-    pitch = math.pi / design.lobes
-    edge = float(np.sum(base_outline[-1] * unit(pitch)))
-    if edge <= mid_radius:
+    hole_radius = output.hole_radius + design.clearance.output + depth
+    base_outline = gear_base(reducer, depth, chord_error)
+    mid_radius = 0.5 * (output.pin_circle_radius + hole_radius + float(np.linalg.norm(base_outline, axis=1).min()))
+    inner_radius = design.gear.bore_radius + design.clearance.cam + depth
+    hole_outline = circle(hole_radius, chord_error, (0.0, output.pin_circle_radius))
+    hub = Prism(
+        _ring_sector(inner_radius, mid_radius, math.pi / output.pins, chord_error),
+        (hole_outline,),
+        -half_width,
+        half_width,
+    )
+    half_pitch = math.pi / design.lobes
+    edge_radius = float(np.sum(base_outline[-1] * unit(half_pitch)))
+    if edge_radius <= mid_radius:
         raise DesignError(
             f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the pieces of "
-            f"the teeth reach inwards to a radius of {1e3 * edge:.4g} mm, but the material around the output holes "
-            f"reaches outwards to {1e3 * mid_radius:.4g} mm. Increase ring.teeth, or reduce "
+            f"the teeth reach inwards to a radius of {1e3 * edge_radius:.4g} mm, but the material around the output "
+            f"holes reaches outwards to {1e3 * mid_radius:.4g} mm. Increase ring.teeth, or reduce "
             "output.pin_circle_radius_mm or output.hole_radius_mm"
         )
-    outer_outline = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
-    inner_arc = _arc(mid_radius, -pitch, pitch, error)
+    outer_outline = np.concatenate([edge_radius * unit([-half_pitch]), base_outline, edge_radius * unit([half_pitch])])
+    inner_arc = _arc(mid_radius, -half_pitch, half_pitch, chord_error)
     band = Prism(np.concatenate([outer_outline, inner_arc[::-1]])[::-1], (), -half_width, half_width)
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
@@ -134,26 +143,28 @@ def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
     `settings` set the accuracy and the number of the slices.
     """
     design = reducer.design
-    ring, error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
-    pitch = math.pi / ring.teeth
+    ring, chord_error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
+    half_pitch = math.pi / ring.teeth
     depth = housing_depth(reducer, settings)
     if ring.kind == "nonpin":
-        bore = ring_base(reducer, depth, chord_error=error)
+        bore = ring_base(reducer, depth, chord_error=chord_error)
     else:
-        radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
-        half_opening = arc_half_angle(design, radius)
-        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -half_opening, half_opening, error)
+        socket_radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
+        half_opening = arc_half_angle(design, socket_radius)
+        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(socket_radius, -half_opening, half_opening, chord_error)
         edge_angle = math.atan2(socket[-1, 0], socket[-1, 1])
-        land_arc = _arc(wall_radius(design), edge_angle, pitch, error)[1:]
+        land_arc = _arc(wall_radius(design), edge_angle, half_pitch, chord_error)[1:]
         bore = np.concatenate([land_arc[::-1] * [-1.0, 1.0], socket, land_arc])
-    outer_arc = _arc(design.housing.outer_radius, -pitch, pitch, error)
+    outer_arc = _arc(design.housing.outer_radius, -half_pitch, half_pitch, chord_error)
     region = Prism(np.concatenate([outer_arc, bore[::-1]])[::-1], (), -half_width, half_width)
     return Sector("housing", region, depth, ring.teeth)
 
 
-def _ring_sector(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
+def _ring_sector(inner_radius: float, outer_radius: float, half_angle: float, chord_error: float) -> Array:
     """Compute a sector of a ring about +y, counter-clockwise."""
-    outer_arc, inner_arc = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
+    outer_arc, inner_arc = (
+        _arc(radius, -half_angle, half_angle, chord_error) for radius in (outer_radius, inner_radius)
+    )
     return np.concatenate([outer_arc[::-1], inner_arc])
 
 

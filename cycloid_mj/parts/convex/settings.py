@@ -93,10 +93,10 @@ class ConvexSettings:
     def __post_init__(self) -> None:
         """Raise DesignError unless all lengths and counts of the settings of a convex decomposition are in range."""
         for name in ("chord_error", "hull_chord_error", "play_error", "rest_chord_error"):
-            value = getattr(self, name)
-            if not 1e-11 <= value <= 1e-3:
+            length = getattr(self, name)
+            if not 1e-11 <= length <= 1e-3:
                 raise DesignError(
-                    f"{name} of ConvexSettings is {value} m, which is out of range: choose a length from 1e-11 to "
+                    f"{name} of ConvexSettings is {length} m, which is out of range: choose a length from 1e-11 to "
                     "1e-3 m, e.g. 1e-7"
                 )
         if self.fewest_facets < 8:

@@ -128,10 +128,13 @@ def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
     return _flank_nodes(gear, offset, 0.0, inflection, chord_error) if inflection > 0.0 else np.zeros(1)
 
 
-def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
-    """Compute n flank parameters [rad] from `low` to `high` with chords within `chord_error` [m] of the flank, (n,).
+def _flank_nodes(
+    gear: CycloidGear, offset: float, first_parameter: float, last_parameter: float, chord_error: float
+) -> Array:
+    """Compute n flank parameters [rad], (n,), between which chords deviate by at most `chord_error` [m] from the flank.
 
-    The flank is offset by `offset` [m]; see `profile.sagitta_nodes`. `gear` is the profile of the disc.
+    They extend from `first_parameter` to `last_parameter`. The flank is offset by `offset` [m]; see
+    `profile.sagitta_nodes`. `gear` is the profile of the disc.
     """
     profile.require_no_undercut(gear, offset)
     flank = SmoothArc(
@@ -140,7 +143,7 @@ def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chor
         turning_rate=lambda t: profile.turning_rate(gear, t),
         arc_rate=lambda t: profile.arc_rate(gear, t, offset),
     )
-    return profile.sagitta_nodes(flank, low, high, chord_error)
+    return profile.sagitta_nodes(flank, first_parameter, last_parameter, chord_error)
 
 
 def _envelope_points(gear: CycloidGear, B: Array, depth: float) -> Array:
@@ -231,12 +234,12 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
     return convex_slice("lobe", np.concatenate([_extend_ends(face, overlap), base_edge]), math.inf, 1.0 / rho)
 
 
-def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
+def _all_places(slice_count: int, pitch_count: int) -> tuple[SlicePlacement, ...]:
     """Return the positions of the slices of half a pitch, and of their mirror images, in all pitches."""
-    pitch = 2.0 * math.pi / pitches
+    pitch = 2.0 * math.pi / pitch_count
     return tuple(
         SlicePlacement(number, lobe + 1, lobe * pitch, mirrored=mirrored)
-        for lobe, mirrored, number in itertools.product(range(pitches), (False, True), range(slices))
+        for lobe, mirrored, number in itertools.product(range(pitch_count), (False, True), range(slice_count))
     )
 
 
@@ -245,6 +248,6 @@ def _mirror_and_join(right_half: Array) -> Array:
     return np.concatenate([right_half[:0:-1] * [-1.0, 1.0], right_half])
 
 
-def _repeat_pitch(pitch: Array, count: int) -> Array:
+def _repeat_pitch(pitch_points: Array, count: int) -> Array:
     """Return the points of one pitch repeated over a full turn, clockwise."""
-    return np.concatenate([rotate_clockwise(pitch, 2.0 * math.pi * i / count) for i in range(count)])
+    return np.concatenate([rotate_clockwise(pitch_points, 2.0 * math.pi * i / count) for i in range(count)])

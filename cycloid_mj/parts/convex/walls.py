@@ -16,15 +16,17 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
     design = reducer.design
     valley_radius = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
     if isinstance(reducer, RvReducer):
-        inner = max(reducer.crank_radius + reducer.bore_radius, reducer.post_circle_radius + reducer.window_radius)
-        min_wall = min(valley_radius - inner, _lobe_width(reducer))
+        max_hole_reach = max(
+            reducer.crank_radius + reducer.bore_radius, reducer.post_circle_radius + reducer.window_radius
+        )
+        min_wall = min(valley_radius - max_hole_reach, _lobe_width(reducer))
         return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * min_wall)
     output, clearance = design.output, design.clearance
-    hole = output.hole_radius + clearance.output
+    hole_radius = output.hole_radius + clearance.output
     walls = (
-        output.pin_circle_radius - hole - design.gear.bore_radius - clearance.cam,
-        2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole),
-        valley_radius - output.pin_circle_radius - hole,
+        output.pin_circle_radius - hole_radius - design.gear.bore_radius - clearance.cam,
+        2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole_radius),
+        valley_radius - output.pin_circle_radius - hole_radius,
         _lobe_width(reducer),
     )
     return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * min(walls))
@@ -51,6 +53,6 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 def _lobe_width(reducer: Reducer) -> float:
     """Compute the width of a lobe between its inflections [m]."""
     gear = reducer.gear_profile
-    middle = math.pi / gear.lobes
+    tip_angle = math.pi / gear.lobes
     inflection = profile.outline(gear, profile.inflection_phase(gear) / gear.lobes, reducer.profile_offset)
-    return 2.0 * abs(float(inflection @ profile.unit(middle + math.pi / 2.0)))
+    return 2.0 * abs(float(inflection @ profile.unit(tip_angle + math.pi / 2.0)))
