@@ -74,7 +74,7 @@ def axial_layout(reducer: RvReducer) -> AxialLayout:
 
 
 def rv_parts(reducer: RvReducer) -> dict[str, Part]:
-    """Return the parts of an RV reducer by name, each once and in its own frame.
+    """Return the parts of an RV reducer by name, such as ``crank``, each once and in its own frame.
 
     Housing and flanges are in the frame of the reducer's axis.
 
@@ -87,7 +87,7 @@ def rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 
 def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
-    """Return the bearings as rings about z = 0, by name: a tapered bearing of a crank, and a main bearing, if any."""
+    """Return the bearings as rings about z = 0, by name: `TAPERED_BEARING`, and ``output_bearing``, if there is any."""
     radii = {TAPERED_BEARING: (reducer.cranks.taper_radius, reducer.journal_radius, reducer.cranks.flange_thickness)}
     if bearing := reducer.main_bearing:
         radii[names.OUTPUT_BEARING] = 0.5 * bearing.outside, 0.5 * bearing.bore, bearing.width
@@ -176,13 +176,13 @@ def _rv_housing(reducer: RvReducer) -> Part:
 
     The ring is then as wide as the distance of the flanges.
     """
-    ring, bearing = housing_part(reducer), reducer.main_bearing
+    ring_part, bearing = housing_part(reducer), reducer.main_bearing
     if bearing is None:
-        return ring
+        return ring_part
     start, (_, end) = flange_face(reducer), main_bearing_ends(reducer, bearing)
-    seat = Segment("bearing seat", ring.segments[0].outline, (CircleContour(0.5 * bearing.outside),), start, end)
+    seat = Segment("bearing seat", ring_part.segments[0].outline, (CircleContour(0.5 * bearing.outside),), start, end)
     seats = replace(seat, z0=-end, z1=-start), seat
-    return ring.of([*(replace(segment, z0=-start, z1=start) for segment in ring.segments), *seats])
+    return ring_part.of([*(replace(segment, z0=-start, z1=start) for segment in ring_part.segments), *seats])
 
 
 def _rv_pin(reducer: RvReducer) -> Part:

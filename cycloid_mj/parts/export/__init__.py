@@ -212,8 +212,8 @@ def drive_files(
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines.
     cam_seat
-        Bore radius of the cam bearing [m], which the cams in meshes fit, as in ``printing.manufactured_parts``. In
-        other formats the cams are those of the assembly.
+        Bore radius of the cam bearing [m], which the cams in meshes fit; 0: cams with the outer radius of the bearing.
+        In other formats the cams are those of the assembly.
     polylines, arcs
         Closed polylines in place of splines, and tolerance of arcs that replace the splines [m], as in `export`.
 
@@ -315,12 +315,12 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, casing: Casing | 
         return _encode_parts(reducer, encoding, casing)
     undivided_reducer = reducer.but(ring={"halves": 1, "preload": 0.0})
     encoded_files = _encode_parts(undivided_reducer, encoding, casing)
-    width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
-    half_files = _encode_parts(undivided_reducer.but(gear={"face_width": width}), encoding, None).files
-    housing = f"{names.HOUSING}.{file_format}"
+    half_width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
+    half_files = _encode_parts(undivided_reducer.but(gear={"face_width": half_width}), encoding, None).files
+    housing_file = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
     for name, content in encoded_files.files.items():
-        if name == housing:
+        if name == housing_file:
             files |= {
                 f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half_files[name] for number in (1, 2)
             }
@@ -436,5 +436,5 @@ def _curve_points(curve: Curve, count: int = 200) -> Array:
             return np.array([curve.start, curve.end])
         case _:
             start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
-            angle = np.linspace(start, end, count)
-            return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+            angles = np.linspace(start, end, count)
+            return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angles), np.sin(angles)])

@@ -75,11 +75,11 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
         return None
     thread, count = next((size, number) for max_diameter, size, number in _SCREWS if bearing.outside <= max_diameter)
     bolt = next(bolt for bolt in stock.bolts() if bolt.thread == thread)
-    hole, thickness = thread_radius(reducer, thread), max(thread, THICKNESS_SHARE * bearing.width)
-    circle = 0.5 * bearing.outside + wall + hole
+    hole_radius, thickness = thread_radius(reducer, thread), max(thread, THICKNESS_SHARE * bearing.width)
+    circle = 0.5 * bearing.outside + wall + hole_radius
     length = stock_screw_length(bolt, thickness + RULES.engagement * thread)
     radius = circle + max(counterbore(bolt), 0.5 * stock.bolt_hole(thread) + wall)
-    return Retainer(bolt, length, count, circle, radius, thickness, max(circle + hole + wall, radius))
+    return Retainer(bolt, length, count, circle, radius, thickness, max(circle + hole_radius + wall, radius))
 
 
 def max_stop_ring_radius(
@@ -96,12 +96,12 @@ def max_stop_ring_radius(
     wall
         Minimum wall around holes [m].
     """
-    limit = reducer.design.housing.outer_radius
+    max_radius = reducer.design.housing.outer_radius
     if not screws.outside:
-        limit = screws.circle - max(screws.hole, thread_radius(reducer, screws.bolt.thread))
+        max_radius = screws.circle - max(screws.hole, thread_radius(reducer, screws.bolt.thread))
     if dowel and dowel_circle < reducer.design.housing.outer_radius:
-        limit = min(limit, dowel_circle - 0.5 * dowel.diameter)
-    return limit - wall
+        max_radius = min(max_radius, dowel_circle - 0.5 * dowel.diameter)
+    return max_radius - wall
 
 
 def stop_ring_of(bearing: stock.StockBearing, radius: float, wall: float) -> StopRing:

@@ -167,14 +167,14 @@ def press_fit(diameter: float, length: float) -> str:
 
 def output_pin_span(reducer: Reducer) -> tuple[float, float]:
     """Return the ends of an output pin [m], including its pressed-in lengths."""
-    output, drawn = reducer.design.output, lay_out_parts(reducer)[names.OUTPUT].segments[1]
-    return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
+    output, drawn_pin = reducer.design.output, lay_out_parts(reducer)[names.OUTPUT].segments[1]
+    return drawn_pin.z0 - output.disc_thickness * (output.support == "both_ends"), drawn_pin.z1 + output.disc_thickness
 
 
 def output_pin_length(reducer: Reducer) -> float:
     """Compute the length of an output pin through discs and gaps, including its pressed-in lengths [m]."""
-    low, high = output_pin_span(reducer)
-    return high - low
+    start, end = output_pin_span(reducer)
+    return end - start
 
 
 def output_pin(reducer: Reducer) -> stock.Dowel | None:
@@ -265,7 +265,7 @@ def shaft_bearing_fit(reducer: Reducer) -> str:
 
 
 def shaft_seal(reducer: Reducer) -> str:
-    """Return which ball bearings of the crank are sealed, as a phrase; empty for drawn cups, which have no seals.
+    """Return which ball bearings of the crank are sealed, such as "both sealed (RS1)"; empty for drawn cups.
 
     These are the seals that the losses include: one of a solid shaft, two of a hollow one.
     """

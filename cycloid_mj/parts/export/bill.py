@@ -123,7 +123,8 @@ def bill(
     casing
         Casing of the drive; None: the mechanism only.
     torques
-        Tightening torques [N m] by the name of the screws in the bill. They replace the fit in the row of these screws.
+        Tightening torques [N m] by the name of the screws in the bill, such as ``flange_screw``. They replace the fit
+        in the row of these screws.
 
     Raises
     ------
@@ -145,7 +146,7 @@ def consumables(reducer: Reducer, casing: Casing, torques: Mapping[str, float] |
     """Yield bill rows of grease (a third of the free space), adhesive, motor screws and sealant that a drive needs.
 
     Sealant is for the metal faces of ring and covers; plastics keep grease in without it. `torques` are tightening
-    torques [N m] by the name of the screws.
+    torques [N m] by the name of the screws, such as ``motor_screw``.
     """
     parts, placements = assembly_parts(reducer, casing), place_parts(reducer, 0.0, casing)
     inner_placements = [
@@ -153,14 +154,16 @@ def consumables(reducer: Reducer, casing: Casing, torques: Mapping[str, float] |
         for placement in placements
         if placement.body != names.HOUSING and casing.floor <= placement.origin[2] <= casing.top
     ]
-    solid = sum(_inner_volume(parts[placement.part], placement.origin[2], casing) for placement in inner_placements)
+    solid_volume = sum(
+        _inner_volume(parts[placement.part], placement.origin[2], casing) for placement in inner_placements
+    )
     root_radius = reducer.design.ring_root_radius
     free_space = math.pi * (
         2.0 * casing.end * root_radius**2
         + (-casing.end - casing.floor) * casing.cavity**2
         + (casing.hub_floor - casing.end) * casing.output_cavity**2
     )
-    grease = CONSUMABLES.grease_fill * max(free_space - solid, 0.0)
+    grease = CONSUMABLES.grease_fill * max(free_space - solid_volume, 0.0)
     designation = "NLGI 1 with EP additives"
     yield _consumable_line("grease", grease, "lithium soap", designation, "a third of the free space")
     glued_joints = [joint for joint in drive_joints(reducer, casing) if joint.kind is JointKind.GLUED]
@@ -223,9 +226,10 @@ def _inner_volume(part: Part, z: float, casing: Casing) -> float:
     the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
-    bottom, top = casing.floor - z, casing.hub_floor - z
+    space_start, space_end = casing.floor - z, casing.hub_floor - z
     return sum(
-        abs(region_moments(prism).area) * max(min(prism.z1, top) - max(prism.z0, bottom), 0.0) for prism in solid.prisms
+        abs(region_moments(prism).area) * max(min(prism.z1, space_end) - max(prism.z0, space_start), 0.0)
+        for prism in solid.prisms
     )
 
 
@@ -371,7 +375,7 @@ def _shaft_line(reducer: Reducer, casing: Casing | None) -> BillLine:
     shaft, material = bored_shaft(reducer, casing), reducer.design.material_of(names.SHAFT)
     length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
     key = cam_key(reducer, casing) if casing else None
-    line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
+    bar_line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
     keyway = (
         f"keyway {in_mm(key.bought.width)} x {in_mm(key.bought.in_shaft)} x {in_mm(key.bought.length)} mm"
         if key
@@ -379,12 +383,12 @@ def _shaft_line(reducer: Reducer, casing: Casing | None) -> BillLine:
     )
     bar_text = f"ground bar {in_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
     mass = mass_properties(shaft.solid(EXPORT_CHORD_ERROR)).mass
-    size = line.size + _format_bore(reducer, casing)
-    return replace(line, size=size, designation=bar_text, fit=keyway, mass_kg=mass)
+    size = bar_line.size + _format_bore(reducer, casing)
+    return replace(bar_line, size=size, designation=bar_text, fit=keyway, mass_kg=mass)
 
 
 def _format_bore(reducer: Reducer, casing: Casing | None) -> str:
-    """Describe the bore of the crank as a clause: for the motor shaft, or through a hollow shaft; "" without a bore.
+    """Describe the bore of the crank, for the motor or through it, such as ", bored 5 x 22 mm"; "" without a bore.
 
     `casing` None: the mechanism only.
     """
@@ -417,9 +421,9 @@ def _pin_line(
         return _round_line(item, count, (("diameter", radius),), length, material)
     cut_length = length if pin.length > length + stock.ROUNDING else 0.0
     line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut_length)
-    text = fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
-    named = replace(line, designation=pin.designation, fit=text)
-    return replace(named, material=DOWEL_MATERIAL) if pin.designation.startswith(stock.DOWELS) else named
+    fit_text = fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
+    named_line = replace(line, designation=pin.designation, fit=fit_text)
+    return replace(named_line, material=DOWEL_MATERIAL) if pin.designation.startswith(stock.DOWELS) else named_line
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
@@ -428,20 +432,20 @@ def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
     `material` is the material of the pins.
     """
     ring, roller = reducer.design.ring, free_pin(reducer)
-    seat = FREE_FIT if ring.has_sockets else RETAINED_FIT
-    diameter = (("diameter", ring.pin_radius),)
+    seat_text = FREE_FIT if ring.has_sockets else RETAINED_FIT
+    named_radius = (("diameter", ring.pin_radius),)
     if not roller:
-        line = _round_line(names.PIN, ring.teeth, diameter, reducer.design.gear.stack_width, material)
-        return replace(line, fit=f"ground {_format_limits(stock.ROLLER_LIMITS)}, {seat}")
-    line = _round_line(names.PIN, ring.teeth * roller.count, diameter, roller.length, material, roller.cut)
-    fit = f"{_format_limits(roller.limits)}, {seat}" + (f", cut to {in_mm(roller.cut)} mm" if roller.cut else "")
+        line = _round_line(names.PIN, ring.teeth, named_radius, reducer.design.gear.stack_width, material)
+        return replace(line, fit=f"ground {_format_limits(stock.ROLLER_LIMITS)}, {seat_text}")
+    line = _round_line(names.PIN, ring.teeth * roller.count, named_radius, roller.length, material, roller.cut)
+    fit = f"{_format_limits(roller.limits)}, {seat_text}" + (f", cut to {in_mm(roller.cut)} mm" if roller.cut else "")
     return replace(line, designation=roller.designation, fit=fit)
 
 
 def _format_limits(limits: tuple[float, float]) -> str:
     """Format lower and upper deviation of a size [m], such as ``0/-2 um`` or ``+-1 um``."""
-    low, high = (f"{1e6 * limit:.3g}" for limit in limits)
-    return f"+-{high} um" if low == f"-{high}" else f"{high}/{low} um"
+    lower_text, upper_text = (f"{1e6 * limit:.3g}" for limit in limits)
+    return f"+-{upper_text} um" if lower_text == f"-{upper_text}" else f"{upper_text}/{lower_text} um"
 
 
 def _roller_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLine]:

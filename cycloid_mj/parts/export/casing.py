@@ -410,7 +410,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float,
     else:
         hub_floor = disc_start + (2.0 * wall if output.has_disc_seat else output.disc_thickness + AXIAL_GAP)
     if output.has_disc_seat:
-        end, shoulder = _disc_end(reducer, screws, seat, flange), 0.0 if has_both else 2.0 * wall
+        end, shoulder = _output_disc_end(reducer, screws, seat, flange), 0.0 if has_both else 2.0 * wall
     else:
         thread_length = 2.0 * RULES.engagement * flange.flange_bolt.thread
         end, shoulder = max(_far_end(reducer), hub_floor) + 2.0 * wall + thread_length, 0.5 * hub.width
@@ -433,8 +433,8 @@ def _far_end(reducer: Reducer) -> float:
     return bearing_seats(reducer, crank_segments(reducer))[0][1] + RULES.collar
 
 
-def _disc_end(reducer: Reducer, screws: Screws, seat: float, flange: OutputFlange) -> float:
-    """Return the least z [m] of the face between flange and output disc, behind pins, screws and the crank.
+def _output_disc_end(reducer: Reducer, screws: Screws, seat: float, flange: OutputFlange) -> float:
+    """Return the least z [m] at which the output disc can end and its flange begin: behind pins, screws and crank.
 
     `screws` are those of the covers, and `seat` is the radius of the seats of the shaft bearings [m]. Raises
     DesignError if the bearing of the crank in the disc reaches the output pins.
@@ -492,15 +492,19 @@ def _cover_material(reducer: Reducer, requested: str) -> str:
     DesignError
         The requested material is not a metal of the library, or the ring is of a plastic.
     """
-    ring = reducer.design.material_of(names.HOUSING)
+    ring_material = reducer.design.material_of(names.HOUSING)
     if requested == "auto":
-        return "" if ring.is_plastic or ring.density <= 2.0 * MATERIALS[LIGHT_METAL].density else LIGHT_METAL
+        return (
+            ""
+            if ring_material.is_plastic or ring_material.density <= 2.0 * MATERIALS[LIGHT_METAL].density
+            else LIGHT_METAL
+        )
     name = material_name(requested)
     metals = [metal for metal in MATERIALS if not Material(name=metal).is_plastic]
-    if ring.is_plastic:
+    if ring_material.is_plastic:
         raise DesignError(
-            f"covers of {requested!r} are not possible on a ring of {ring.name}: covers and ring may differ in "
-            "material only if both are metals. Omit the cover material"
+            f"covers of {requested!r} are not possible on a ring of {ring_material.name}: covers and ring may differ "
+            "in material only if both are metals. Omit the cover material"
         )
     if name not in metals:
         raise DesignError(
@@ -555,8 +559,8 @@ def seat_radius(reducer: Reducer, width: float) -> float:
 
 def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
     """Return the end of the dowels, and of pins in sleeves, in the motor cover [m]."""
-    pressed = 2.0 * sleeve_core_radius(reducer) if reducer.design.ring.has_sleeves else 0.0
-    return -end - max(0.5 * dowel.length if dowel else 0.0, pressed)
+    pin_depth = 2.0 * sleeve_core_radius(reducer) if reducer.design.ring.has_sleeves else 0.0
+    return -end - max(0.5 * dowel.length if dowel else 0.0, pin_depth)
 
 
 def _cavity_radii(
@@ -614,21 +618,23 @@ def _cavity_radii(
 
 def output_cover_step(casing: Casing) -> float | None:
     """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
-    step = casing.end + casing.grip + casing.screws.bolt.head_height
-    has_step = casing.output_neck < casing.screws.circle - counterbore(casing.screws.bolt) and step < casing.hub_floor
-    return step if has_step else None
+    step_height = casing.end + casing.grip + casing.screws.bolt.head_height
+    has_step = (
+        casing.output_neck < casing.screws.circle - counterbore(casing.screws.bolt) and step_height < casing.hub_floor
+    )
+    return step_height if has_step else None
 
 
 def _bore_end(reducer: Reducer) -> float:
     """Compute the end along z [m] of the longest bore for the motor shaft: the cam if the crank is one piece."""
-    prisms = crank_segments(reducer)
-    return prisms[names.CAM].z0 if names.CAM in prisms else max(prism.z1 for prism in prisms.values())
+    segments = crank_segments(reducer)
+    return segments[names.CAM].z0 if names.CAM in segments else max(segment.z1 for segment in segments.values())
 
 
 def bearing_width_of(reducer: Reducer) -> float:
     """Compute the width of each bearing of the shaft [m]."""
-    low, high = bearing_seats(reducer, crank_segments(reducer))[0]
-    return high - low
+    start, end = bearing_seats(reducer, crank_segments(reducer))[0]
+    return end - start
 
 
 def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wall: float) -> None:

@@ -175,9 +175,10 @@ def _lengthen(segment: Segment, play: float, at_start: bool, at_end: bool) -> Se
 def _fit_crank_segments(
     reducer: Reducer, casing: Casing, family: str, segments: Sequence[Segment]
 ) -> Iterator[Segment]:
-    """Adapt the segments of a shaft, cam or spacer to a drive: keyways, axial clearances, and the start of a shaft.
+    """Adapt the segments of a shaft, cam or spacer to a drive: keyways, axial clearances, and where a shaft starts.
 
-    Yields the segments along z. `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
+    A shaft starts at `casing.journal`. Yields the segments along z. `family` is the kind of the part: ``names.SHAFT``,
+    ``names.CAM`` or ``names.SPACER``.
     """
     if family == names.SHAFT:
         segments = (*_cut_groove(casing, replace(segments[0], z0=casing.journal)), *segments[1:])
@@ -279,10 +280,10 @@ def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Seg
 
 def _split_spacer(reducer: Reducer, casing: Casing, segments: Sequence[Segment]) -> tuple[Segment, ...]:
     """Split a spacer into hub, wide rim and hub along z; the rim is narrower by the axial play on both sides."""
-    (ring,) = segments
-    hub = replace(ring, outline=CircleContour(hub_radius(reducer, casing)))
-    low, high = ring.z0 + casing.play, ring.z1 - casing.play
-    return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
+    (spacer,) = segments
+    hub = replace(spacer, outline=CircleContour(hub_radius(reducer, casing)))
+    rim_start, rim_end = spacer.z0 + casing.play, spacer.z1 - casing.play
+    return replace(hub, z1=rim_start), replace(spacer, z0=rim_start, z1=rim_end), replace(hub, z0=rim_end)
 
 
 def _motor_cover_cylinders(casing: Casing) -> tuple[Round, ...]:
@@ -306,9 +307,9 @@ def _motor_pocket(casing: Casing) -> tuple[Pocket, ...]:
 
 def _output_cover(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the output cover: a single one, or a slimmer one beyond the heads of its screws."""
-    step = output_cover_step(casing)
-    if step:
-        return (casing.outer, casing.end, step), (casing.output_neck, step, casing.output_cover_end)
+    step_height = output_cover_step(casing)
+    if step_height:
+        return (casing.outer, casing.end, step_height), (casing.output_neck, step_height, casing.output_cover_end)
     return ((casing.outer, casing.end, casing.output_cover_end),)
 
 
@@ -326,16 +327,17 @@ def _stop_ring_rounds(casing: Casing) -> tuple[Round, ...]:
 
 def _flange_rounds(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the output flange: one that clamps the inner ring, and a wider one that covers a gap."""
-    end, step = casing.top + casing.flange_thickness, casing.top + casing.play
+    end, step_height = casing.top + casing.flange_thickness, casing.top + casing.play
     if casing.gap_seal_radius == casing.flange_radius:
         return ((casing.flange_radius, casing.top, end),)
-    return (casing.flange_radius, casing.top, step), (casing.gap_seal_radius, step, end)
+    return (casing.flange_radius, casing.top, step_height), (casing.gap_seal_radius, step_height, end)
 
 
 def _hub_cylinders(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders that the casing adds to the disc of the output: floor, shoulder of the bearings, and hub.
 
-    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.
+    The floor covers the bores for the output pins. If the bearings are around the disc itself, there is only a cylinder
+    that continues the disc to the flange, if a gap is left.
     """
     floor_z = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     if reducer.design.output.has_disc_seat:

@@ -41,7 +41,8 @@ class OutlineClearance:
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     """Compute the distance [m] of n points from the path of pin centres around a disc (trochoid), positive inside.
 
-    `points` has the shape (n, 2) [m], the result (n,). `gear` is the profile of the disc.
+    The flank of the disc is the pin radius further inside. `points` has the shape (n, 2) [m], the result (n,). `gear`
+    is the profile of the disc.
     """
     from scipy.spatial import cKDTree
 
@@ -52,11 +53,11 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     for _ in range(SEARCH.newton_steps):
         offset_vectors = profile.trochoid(gear, parameters) - points
         first_derivative, second_derivative = profile.trochoid_derivatives(gear, parameters)
-        step = np.sum(offset_vectors * first_derivative, axis=1) / (
+        increment = np.sum(offset_vectors * first_derivative, axis=1) / (
             np.sum(first_derivative**2, axis=1) + np.sum(offset_vectors * second_derivative, axis=1)
         )
-        parameters = parameters - step
-        if np.abs(step).max() < 1e-14:
+        parameters = parameters - increment
+        if np.abs(increment).max() < 1e-14:
             break
     return np.asarray(np.sum((profile.trochoid(gear, parameters) - points) * profile.normals(gear, parameters), axis=1))
 
@@ -73,7 +74,7 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
 def measure_disc(
     reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0
 ) -> tuple[OutlineClearance, ...]:
-    """Measure the smallest and largest clearance of teeth, bore and holes of an exported disc, and of any sockets.
+    """Measure the smallest and largest clearance of teeth, bore and holes of an exported disc, and of sockets.
 
     Parameters
     ----------
@@ -177,6 +178,6 @@ def _socket_distances(reducer: Reducer, ring_loop: Array) -> Array:
 
     ring = reducer.design.ring
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
-    distance, _ = cKDTree(centres).query(ring_loop)
-    radius = np.linalg.norm(ring_loop, axis=1)
-    return np.asarray(distance, dtype=np.float64)[radius > radius.min() * (1.0 + RELATIVE_ROUNDING)]
+    distances, _ = cKDTree(centres).query(ring_loop)
+    radii = np.linalg.norm(ring_loop, axis=1)
+    return np.asarray(distances, dtype=np.float64)[radii > radii.min() * (1.0 + RELATIVE_ROUNDING)]

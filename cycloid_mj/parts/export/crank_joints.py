@@ -129,13 +129,15 @@ def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
     hub_diameter = 2.0 * (cam_radius(reducer) - design.gear.eccentricity)
     elasticity = steel.youngs_modulus, steel.poisson
     press_fit = PressFit(diameter, design.gear.face_width, hub_diameter, elasticity, elasticity, 2.0 * core_radius)
-    limit = min(press_fit.yield_pressure(steel.yield_strength), press_fit.shaft_yield_pressure(steel.yield_strength))
+    max_pressure = min(
+        press_fit.yield_pressure(steel.yield_strength), press_fit.shaft_yield_pressure(steel.yield_strength)
+    )
     for zones in SHRINK_FITS:
         max_interference = -fits.clearances(zones, diameter)[0]
         temperature_difference = shrink_difference(diameter, max_interference, steel.expansion)
-        if press_fit.pressure(max_interference) <= limit and temperature_difference <= JOINTS.shrink_difference:
+        if press_fit.pressure(max_interference) <= max_pressure and temperature_difference <= JOINTS.shrink_difference:
             break
-    return ShrinkFit(zones, press_fit, limit, temperature_difference)
+    return ShrinkFit(zones, press_fit, max_pressure, temperature_difference)
 
 
 def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
@@ -163,18 +165,18 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     if key is None:
         yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
         return
-    bought_parts = key.bought
-    key_bottom = radius - bought_parts.in_shaft
-    contour = KeyContour(key_bottom, key_bottom + bought_parts.height, bought_parts.width, key.angle)
+    stock_key = key.bought
+    key_bottom = radius - stock_key.in_shaft
+    key_contour = KeyContour(key_bottom, key_bottom + stock_key.height, stock_key.width, key.angle)
     dimensions = (
-        *(("width", bought_parts.width), ("height", bought_parts.height)),
-        *(("depth", bought_parts.in_shaft), ("length", bought_parts.length)),
+        *(("width", stock_key.width), ("height", stock_key.height)),
+        *(("depth", stock_key.in_shaft), ("length", stock_key.length)),
     )
-    solid = RoundPart(names.SHAFT, blocks=((contour, key.low, key.high),), bought=True)
-    part = BoughtPart(
-        names.KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought_parts.designation, "P9"
+    solid = RoundPart(names.SHAFT, blocks=((key_contour, key.low, key.high),), bought=True)
+    key_part = BoughtPart(
+        names.KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", stock_key.designation, "P9"
     )
-    yield Joint(name, JointKind.KEYED, parts, (), (part,), "H7/k6", *seats)
+    yield Joint(name, JointKind.KEYED, parts, (), (key_part,), "H7/k6", *seats)
 
 
 def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
@@ -227,16 +229,16 @@ def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
     gear, output = reducer.design.gear, reducer.design.output
     if in_one_piece(reducer):
         return
-    diameter, discs = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
-    parts = names.OUTPUT_PIN, *((names.OUTPUT, names.SECOND_OUTPUT)[:discs])
-    seats = output.pins * discs, diameter, output.disc_thickness
+    diameter, disc_count = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
+    parts = names.OUTPUT_PIN, *((names.OUTPUT, names.SECOND_OUTPUT)[:disc_count])
+    seats = output.pins * disc_count, diameter, output.disc_thickness
     yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seats)
     if output.rollers:
         roller_seats = output.pins * gear.discs, diameter, gear.face_width
         parts = names.ROLLER, names.OUTPUT_PIN
         if cup := roller_bearing(reducer):
-            seat = roller_seats[0] * cup[1], cup[0].outside, cup[0].width
+            cup_seats = roller_seats[0] * cup[1], cup[0].outside, cup[0].width
             name, parts = "needle bearings in the rollers", (names.ROLLER, names.ROLLER_BEARING)
-            yield Joint(name, JointKind.PRESSED, parts, (), (), cup_fit(reducer, names.OUTPUT), *seat)
+            yield Joint(name, JointKind.PRESSED, parts, (), (), cup_fit(reducer, names.OUTPUT), *cup_seats)
             return
         yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *roller_seats)

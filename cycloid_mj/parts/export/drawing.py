@@ -173,7 +173,7 @@ def lay_out_drawing(
     `section_diameters`, and `notes` the lines of text.
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
-    front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
+    front = {polygon.tobytes(): polygon for prism in prisms for polygon in (prism.outline, *prism.holes)}
     section = tuple((prism.z0, prism.z1, y_start, y_end) for prism in prisms for y_start, y_end in cut_prism(prism))
     faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
     lengths = tuple(Dimension(in_mm(face - faces[0]), faces[0], face) for face in faces[1:])
@@ -244,7 +244,11 @@ def _tolerance_zone(
 
 
 def _joint_sizes(reducer: Reducer, joint: Joint, name: str, inner: bool) -> Iterator[float]:
-    """Yield the diameters [m] of the surfaces of a part that a joint locates: its own, bought parts and drawn bores."""
+    """Yield the diameters [m] that a surface of the part `name` may have at a joint.
+
+    They are those of the joint, the outside diameters of its bought parts, and, if the surface is a bore (`inner`), its
+    diameters as drawn.
+    """
     if joint.diameter:
         yield joint.diameter
         if names.family(name) == names.ROLLER and inner:
@@ -259,8 +263,8 @@ def _joint_sizes(reducer: Reducer, joint: Joint, name: str, inner: bool) -> Iter
 
 def _format_deviations(zone: str, size: float) -> str:
     """Format the deviations of a zone [um]."""
-    low, high = (round(MICROMETRES * deviation) for deviation in fits.limits(zone, size))
-    return f"{high:+d}/{low:+d} µm"
+    lower, upper = (round(MICROMETRES * deviation) for deviation in fits.limits(zone, size))
+    return f"{upper:+d}/{lower:+d} µm"
 
 
 def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
@@ -299,11 +303,11 @@ def _describe_counterweight(reducer: Reducer, part: Part) -> Iterator[str]:
 
 def _describe_widths(casing: Casing, part: Part) -> Iterator[str]:
     """Yield the note on the tolerance of a width that the axial play of the discs depends on; none for other parts."""
-    family, (low, high) = names.family(part.name), (part.segments[0].z0, part.segments[-1].z1)
+    family, (start, end) = names.family(part.name), (part.segments[0].z0, part.segments[-1].z1)
     limits = {names.GEAR: "0/-{}", names.ROLLER: "0/-{}", names.HOUSING: "+{}/0"}.get(family)
     if limits:
         tolerance = in_mm(0.5 * casing.play)
-        yield f"width {in_mm(high - low)} {limits.format(tolerance)}; faces parallel within 0.01"
+        yield f"width {in_mm(end - start)} {limits.format(tolerance)}; faces parallel within 0.01"
 
 
 def first_angle(centres: Array) -> float:
@@ -325,19 +329,21 @@ def _describe_tolerances(
         yield f"datum A: axis of {datum.text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
     if seats:
         yield "total run-out of all seats to A: 0.01; perpendicularity of their shoulders to A: 0.01"
-    circle = f"⌀{in_mm(2.0 * output.pin_circle_radius)}"
+    circle_text = f"⌀{in_mm(2.0 * output.pin_circle_radius)}"
     if names.family(name) == names.GEAR:
         yield describe_lobes(design, "A")
-        hole = f"⌀{MILLIMETRES * 2.0 * (output.hole_radius + design.clearance.output):.4f} ± {_size_tolerance(design)}"
-        yield f"{output.pins} x {hole} on {circle}, position ⌀{_hole_position_tolerance(design)} to A"
+        hole_text = (
+            f"⌀{MILLIMETRES * 2.0 * (output.hole_radius + design.clearance.output):.4f} ± {_size_tolerance(design)}"
+        )
+        yield f"{output.pins} x {hole_text} on {circle_text}, position ⌀{_hole_position_tolerance(design)} to A"
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "A")
     pin_joints = (joint for joint in joints if joint.kind is JointKind.PRESSED and names.OUTPUT_PIN in joint.parts)
     pin_fits = [joint.fit for joint in pin_joints if name in joint.parts]
     for letters, grade in _ZONE.findall(pin_fits[0] if pin_fits else ""):
         if letters.isupper():
-            hole = f"⌀{in_mm(2.0 * output.root_radius)} {letters}{grade}"
-            yield f"{output.pins} x {hole} on {circle}, position ⌀0.01 to A"
+            hole_text = f"⌀{in_mm(2.0 * output.root_radius)} {letters}{grade}"
+            yield f"{output.pins} x {hole_text} on {circle_text}, position ⌀0.01 to A"
 
 
 def _grade(dimension: Dimension) -> int:
@@ -383,7 +389,7 @@ def _profile_tolerance(design: Design) -> float:
 
 
 def describe_lobes(design: Design, datum: str) -> str:
-    """Return the note on the outline of a disc, with its tolerance relative to a datum."""
+    """Return the note on the outline of a disc, with its tolerance relative to a datum, such as "A"."""
     return (
         f"{design.lobes} lobes, N = {design.ring.teeth}, E = {in_mm(design.ring.pin_circle_radius)}, "
         f"c = {in_mm(design.gear.eccentricity)}, rho = {in_mm(design.ring.pin_radius)}: outline from the DXF, "
@@ -392,14 +398,14 @@ def describe_lobes(design: Design, datum: str) -> str:
 
 
 def describe_ring_teeth(design: Design, datum: str) -> str:
-    """Return the note on the sockets or teeth of the ring, with their tolerance relative to a datum."""
-    ring, teeth, bore = design.ring, "teeth", ""
+    """Return the note on the sockets or teeth of the ring, with their tolerance relative to a datum, such as "A"."""
+    ring, tooth_text, bore_text = design.ring, "teeth", ""
     if ring.kind == "pin":
-        teeth = f"sockets ⌀{MILLIMETRES * 2.0 * (ring.pin_radius + design.socket_play):.4f}"
-        bore = f", open to the bore ⌀{in_mm(2.0 * wall_radius(design))}"
+        tooth_text = f"sockets ⌀{MILLIMETRES * 2.0 * (ring.pin_radius + design.socket_play):.4f}"
+        bore_text = f", open to the bore ⌀{in_mm(2.0 * wall_radius(design))}"
     return (
-        f"{ring.teeth} {teeth} on ⌀{in_mm(2.0 * ring.pin_circle_radius)}{bore}: outline from the DXF, profile "
-        f"{_profile_tolerance(design):.4f} to {datum}"
+        f"{ring.teeth} {tooth_text} on ⌀{in_mm(2.0 * ring.pin_circle_radius)}{bore_text}: outline from the DXF, "
+        f"profile {_profile_tolerance(design):.4f} to {datum}"
     )
 
 
@@ -411,10 +417,10 @@ def describe_surface(name: str, material: Material, is_printed_part: bool) -> It
     if is_printed_part:
         yield PRINTED
     else:
-        teeth = f"; teeth {ROUGHNESS['teeth']}" if names.family(name) in (names.GEAR, names.HOUSING) else ""
+        tooth_text = f"; teeth {ROUGHNESS['teeth']}" if names.family(name) in (names.GEAR, names.HOUSING) else ""
         is_turned = names.family(name) in (names.SHAFT, names.CAM, names.CRANK)
-        race = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
-        yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
+        raceway_text = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
+        yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{tooth_text}{raceway_text}"
     yield EDGES
     if not is_printed_part:
         yield GENERAL
@@ -450,23 +456,26 @@ def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
 
     Lengths are below the section, diameters on its right.
     """
-    step, _, bottom, high = _section_layout(drawing)
+    spacing, _, lower_end, right_end = _section_layout(drawing)
     lengths = [
         ((MILLIMETRES * item.low, y), (MILLIMETRES * item.high, y), item)
-        for y, item in ((bottom - (number + 1.0) * step, item) for number, item in enumerate(drawing.lengths))
+        for y, item in ((lower_end - (number + 1.0) * spacing, item) for number, item in enumerate(drawing.lengths))
     ]
     diameters = [
         ((x, -MILLIMETRES * item.radius), (x, MILLIMETRES * item.radius), item)
-        for x, item in ((high + (number + 1.0) * step, item) for number, item in enumerate(drawing.diameters))
+        for x, item in ((right_end + (number + 1.0) * spacing, item) for number, item in enumerate(drawing.diameters))
     ]
     return (*lengths, *diameters)
 
 
 def sheet_ends(drawing: PartDrawing) -> tuple[float, float, float, float]:
     """Return the left, right, lower and upper end of the section with its dimensions [mm]."""
-    step, low, bottom, high = _section_layout(drawing)
-    right_end, lower_end = high + (len(drawing.diameters) + 1.0) * step, bottom - (len(drawing.lengths) + 1.0) * step
-    return low - step, right_end, lower_end, step - bottom
+    spacing, left, lower, right = _section_layout(drawing)
+    right_end, lower_end = (
+        right + (len(drawing.diameters) + 1.0) * spacing,
+        lower - (len(drawing.lengths) + 1.0) * spacing,
+    )
+    return left - spacing, right_end, lower_end, spacing - lower
 
 
 def drawing_dxf(drawing: PartDrawing) -> bytes:
@@ -478,8 +487,8 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
         The package ezdxf is not installed.
     """
     ezdxf = import_extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
-    step, low, bottom, high = _section_layout(drawing)
-    height = SHEET.text_height / SHEET.spacing * step
+    spacing, left, lower, right = _section_layout(drawing)
+    height = SHEET.text_height / SHEET.spacing * spacing
     with fixed_metadata(ezdxf):
         document = ezdxf.new("R2000", setup=["dimstyles", "linetypes", "styles"])
         document.units = ezdxf.units.MM
@@ -490,10 +499,12 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
             corners = [(z0, y0), (z1, y0), (z1, y1), (z0, y1)]
             model_space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "section"})
         right_edge = (
-            high + (len(drawing.diameters) + 2.0) * step - MILLIMETRES * min(ring[:, 0].min() for ring in drawing.front)
+            right
+            + (len(drawing.diameters) + 2.0) * spacing
+            - MILLIMETRES * min(polygon[:, 0].min() for polygon in drawing.front)
         )
-        for ring in drawing.front:
-            points = (MILLIMETRES * ring + np.array([right_edge, 0.0])).tolist()
+        for polygon in drawing.front:
+            points = (MILLIMETRES * polygon + np.array([right_edge, 0.0])).tolist()
             model_space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
         dimension_style = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
         for start, end, item in dimension_lines(drawing):
@@ -507,10 +518,10 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
                 **direction,
             )
             dimension_mark.render()
-        top = bottom - (len(drawing.lengths) + 2.0) * step
+        text_top = lower - (len(drawing.lengths) + 2.0) * spacing
         for number, text in enumerate((*drawing.title, *drawing.notes)):
             dxf_text = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
-            insert = {"layer": "text", "height": height, "insert": (low, top - 1.6 * number * height)}
+            insert = {"layer": "text", "height": height, "insert": (left, text_top - 1.6 * number * height)}
             model_space.add_text(dxf_text, dxfattribs=insert)
         stream = io.StringIO()
         document.write(stream)
@@ -520,5 +531,5 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
 def _section_layout(drawing: PartDrawing) -> tuple[float, float, float, float]:
     """Return the spacing of dimension lines, and the left, lower and right end of the section [mm]."""
     ends = MILLIMETRES * np.array(drawing.section)
-    low, high, bottom = float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())
-    return SHEET.spacing * max(high - low, -2.0 * bottom), low, bottom, high
+    left, right, lower = float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())
+    return SHEET.spacing * max(right - left, -2.0 * lower), left, lower, right

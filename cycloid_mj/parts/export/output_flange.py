@@ -180,8 +180,8 @@ def axial_bores(
 ) -> tuple[float, float]:
     """Compute the largest radii (hub, flange) [m] of bores on the axis, inside of screws and dowels.
 
-    `circle` and `dowel_circle` are the radii [m] of the circles of the screws, of size `bolt`, and of the dowels;
-    `dowel` None: no dowels. `wall` [m] is the minimum wall.
+    The hub has the threads of the screws, the flange their heads. `circle` and `dowel_circle` are the radii [m] of the
+    circles of the screws, of size `bolt`, and of the dowels; `dowel` None: no dowels. `wall` [m] is the minimum wall.
 
     Raises
     ------
@@ -190,15 +190,16 @@ def axial_bores(
     """
     dowel_limit = dowel_circle - 0.5 * dowel.diameter if dowel else math.inf
     dowel_limit = min(dowel_limit, _max_hole_reach(reducer))
-    holes = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    hub, flange = (min(circle - hole, dowel_limit) - wall for hole in holes)
-    bore = reducer.design.shaft.bore_radius
-    if bore and min(hub, flange) < bore:
+    hole_radii = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    hub_radius, flange_radius = (min(circle - hole_radius, dowel_limit) - wall for hole_radius in hole_radii)
+    bore_radius = reducer.design.shaft.bore_radius
+    if bore_radius and min(hub_radius, flange_radius) < bore_radius:
         raise DesignError(
-            f"a through bore of {2e3 * bore:.4g} mm does not pass between the screws of the output flange, which leave "
-            f"{2e3 * max(min(hub, flange), 0.0):.4g} mm: reduce shaft.bore_radius_mm, or choose a larger diameter"
+            f"a through bore of {2e3 * bore_radius:.4g} mm does not pass between the screws of the output flange, "
+            f"which leave {2e3 * max(min(hub_radius, flange_radius), 0.0):.4g} mm: reduce shaft.bore_radius_mm, or "
+            "choose a larger diameter"
         )
-    return hub, flange
+    return hub_radius, flange_radius
 
 
 def choose_flange_dowels(

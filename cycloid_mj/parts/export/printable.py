@@ -41,22 +41,22 @@ COUPON = Coupon()
 def coupon_solids(chord_error: float) -> dict[str, Solid]:
     """Return the test print of clearances: a block with a socket for each of `COUPON.clearances`, and its pin.
 
-    The number of small holes next to a socket is its number from 1. The keys are the names of both files. `chord_error`
-    [m] is the largest distance of a chord from its circle.
+    The number of small holes next to a socket is its number from 1. The keys are ``coupon_block`` and ``coupon_pin``.
+    `chord_error` [m] is the largest distance of a chord from its circle.
     """
     pitch = 2.0 * (COUPON.pin_radius + COUPON.wall)
     length, depth = pitch * len(COUPON.clearances), pitch + 4.0 * COUPON.mark_radius
     corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth], [0.0, depth]])
     holes: list[Array] = []
-    for number, clearance in enumerate(COUPON.clearances):
-        x, y = (number + 0.5) * pitch, 0.5 * pitch
+    for socket_index, clearance in enumerate(COUPON.clearances):
+        x, y = (socket_index + 0.5) * pitch, 0.5 * pitch
         holes.append(circle(COUPON.pin_radius + clearance, chord_error, (x, y)))
-        for mark_number in range(number + 1):
+        for mark_index in range(socket_index + 1):
             holes.append(
                 circle(
                     COUPON.mark_radius,
                     chord_error,
-                    (x + 4.0 * COUPON.mark_radius * (mark_number - 0.5 * number), pitch),
+                    (x + 4.0 * COUPON.mark_radius * (mark_index - 0.5 * socket_index), pitch),
                 )
             )
     block = Prism(corners, tuple(holes), 0.0, COUPON.height)

@@ -60,7 +60,7 @@ def rv_mass(reducer: RvReducer) -> float:
 
 
 def rv_masses(reducer: RvReducer) -> dict[str, float]:
-    """Compute the mass of each part of `rv_assembly_parts` in its number [kg], by name; raises the same errors.
+    """Compute the mass of all copies of each part of `rv_assembly_parts` [kg], by name; raises the errors of that.
 
     Main bearings have `BEARING_FILL` times the mass of a solid ring; the rings of the tapered bearings are solid.
     """

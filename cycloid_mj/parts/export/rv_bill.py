@@ -68,7 +68,7 @@ def _round_dimensions(part: Part) -> Iterator[tuple[str, float]]:
 
 
 def _designation(reducer: RvReducer, part: Part) -> tuple[str, str]:
-    """Return designation and fit of a bought part; both are empty for a part with dimensions of its own."""
+    """Return stock designation and fit of a bought part; both are empty for a part with dimensions of its own."""
     if part.name == names.OUTPUT_BEARING and (bearing := reducer.main_bearing):
         return bearing.designation, f"{MAIN_BORE} outside, {MAIN_SEAT} on the flanges, back to back, light preload"
     if part.name == names.PIN and not reducer.design.ring.has_sleeves:

@@ -79,7 +79,10 @@ def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
 
 
 def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
-    """Return the tolerance zone of a surface of a part about its axis; empty if it is free. `radius` is in [m]."""
+    """Return the tolerance zone of a surface about the axis of the part `name`, such as ``H7``; empty if it has none.
+
+    The surface has a `radius` [m], and is a bore if `inner`.
+    """
     bearing = reducer.main_bearing
     if bearing and name in FLANGES and not inner and abs(radius - 0.5 * bearing.bore) < SAME_LENGTH:
         return MAIN_SEAT
@@ -142,7 +145,7 @@ def _describe_undrawn(reducer: RvReducer) -> str:
 
 
 def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
-    """Yield rows for an involute gear on a drawing: module, teeth, pressure angle, profile shift, span over k teeth."""
+    """Yield two notes for the drawing of an involute gear: its basic dimensions, and its span over k teeth."""
     count, span = span_measurement(gear)
     tip, root = in_mm(2.0 * gear.tip_radius), in_mm(2.0 * gear.root_radius)
     yield (
