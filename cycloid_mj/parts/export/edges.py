@@ -70,8 +70,10 @@ def _seat_radii(reducer: Reducer, casing: Casing, part: Part) -> Array:
     """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:
-        (ring,) = part.segments
-        circles = [circle for contour in (ring.outline, *ring.holes) if (circle := circle_of(contour))]
+        (bearing_segment,) = part.segments
+        circles = [
+            circle for contour in (bearing_segment.outline, *bearing_segment.holes) if (circle := circle_of(contour))
+        ]
         return np.array([circle.radius for circle in circles])
     for joint in drive_joints(reducer, casing):
         if joint.kind in SEATS and name in joint.parts:

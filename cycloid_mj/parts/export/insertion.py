@@ -89,20 +89,23 @@ def blockages(reducer: Reducer, casing: Casing) -> tuple[Blockage, ...]:
     return tuple(blocked_pairs)
 
 
-def _representative_names(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
+def _representative_names(moving_names: list[str], placement_by_name: dict[str, PlacedPart]) -> list[str]:
     """Return one name for each group of equal parts at the same height, whose paths are equal by symmetry.
 
-    `moving` are names, `placed` the positions by name.
+    `moving_names` are names, `placement_by_name` the positions by name.
     """
-    representatives = {(placed[name].part, round(placed[name].origin[2], 9)): name for name in reversed(moving)}
-    return [name for name in moving if name in representatives.values()]
+    representatives = {
+        (placement_by_name[name].part, round(placement_by_name[name].origin[2], 9)): name
+        for name in reversed(moving_names)
+    }
+    return [name for name in moving_names if name in representatives.values()]
 
 
 def _placed_section(placement: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
     """Return the ends along z [m] of a prism in its place, and its section in micrometres."""
     x, y, z = placement.origin
-    rings = [rotate_points(ring, placement.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]
-    section = manifold3d.CrossSection([1e6 * ring for ring in rings], manifold3d.FillRule.EvenOdd)
+    polygons = [rotate_points(polygon, placement.angle) + np.array([x, y]) for polygon in (prism.outline, *prism.holes)]
+    section = manifold3d.CrossSection([1e6 * polygon for polygon in polygons], manifold3d.FillRule.EvenOdd)
     return prism.z0 + z, prism.z1 + z, section
 
 
@@ -114,11 +117,11 @@ def _flex_ring(reducer: Reducer, casing: Casing, part: str, sections: "Sections"
     rings are returned unchanged.
     """
     if part == names.SHAFT_RING:
-        shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
-        return tuple((z0, z1, section - shaft) for z0, z1, section in sections)
+        shaft_section = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
+        return tuple((z0, z1, section - shaft_section) for z0, z1, section in sections)
     if part == names.BORE_RING:
-        bore = manifold3d.CrossSection.circle(1e6 * casing.seat, FLEX_SEGMENTS)
-        return tuple((z0, z1, section ^ bore) for z0, z1, section in sections)
+        bore_section = manifold3d.CrossSection.circle(1e6 * casing.seat, FLEX_SEGMENTS)
+        return tuple((z0, z1, section ^ bore_section) for z0, z1, section in sections)
     return sections
 
 
@@ -186,8 +189,8 @@ def _names_of_moving_parts(placements: tuple[PlacedPart, ...], gear: str) -> tup
 def _screws_of_cam(reducer: Reducer, placements: tuple[PlacedPart, ...], number: int) -> tuple[str, ...]:
     """Return the names of the screws of a clamped cam by its number from 1; none of other cams."""
     screws = _names_of_family(placements, names.CAM_SCREW)
-    count = len(screws) // len(reducer.gears)
-    return screws[(number - 1) * count : number * count]
+    screws_per_cam = len(screws) // len(reducer.gears)
+    return screws[(number - 1) * screws_per_cam : number * screws_per_cam]
 
 
 def _list_output_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
@@ -245,16 +248,16 @@ def _list_crank_moves(reducer: Reducer, casing: Casing, placements: tuple[Placed
 
     `placements` are all parts of the drive with their final positions.
     """
-    rings, shaft = _names_of_family(placements, names.CRANK_RING), names.SHAFT
-    second_disc = tuple(_list_second_disc_moves(casing, placements))
+    ring_names, shaft = _names_of_family(placements, names.CRANK_RING), names.SHAFT
+    second_disc_moves = tuple(_list_second_disc_moves(casing, placements))
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
         yield Move(_names_of_family(placements, names.CAM_BEARING), names.GEAR, UP)
         yield Move((names.GEAR,), DRIVE, UP)
         yield Move((shaft,), shaft)
-        yield Move(rings[:1], shaft, UP)
-        yield Move(rings[1:], shaft, DOWN)
-        yield from (*second_disc, Move((shaft,), DRIVE, UP))
+        yield Move(ring_names[:1], shaft, UP)
+        yield Move(ring_names[1:], shaft, DOWN)
+        yield from (*second_disc_moves, Move((shaft,), DRIVE, UP))
         return
     if reducer.design.has_one_piece_crank:
         yield Move((shaft,), shaft)
@@ -262,22 +265,22 @@ def _list_crank_moves(reducer: Reducer, casing: Casing, placements: tuple[Placed
             yield Move((gear,), gear)
             yield Move(_names_of_moving_parts(placements, gear), gear, direction)
             yield Move((gear,), shaft, direction)
-        yield from (Move((shaft,), DRIVE, UP), *second_disc)
+        yield from (Move((shaft,), DRIVE, UP), *second_disc_moves)
         return
     yield Move((shaft, *_names_of_family(placements, names.KEY)), shaft)
     is_cam_first = reducer.design.cam_joint in CAM_BEFORE_GEAR
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
-        cam = Move((names.numbered_name(names.CAM, number),), shaft if is_cam_first else gear, DOWN)
+        cam_move = Move((names.numbered_name(names.CAM, number),), shaft if is_cam_first else gear, DOWN)
         if is_cam_first:
-            yield cam
+            yield cam_move
             yield Move(_screws_of_cam(reducer, placements, number), shaft)
         yield Move((gear,), gear)
         yield Move(_names_of_moving_parts(placements, gear), gear, DOWN)
         if not is_cam_first:
-            yield cam
+            yield cam_move
         yield Move((gear,), shaft, DOWN)
-    yield Move(rings[1:], shaft, DOWN)
-    yield from (Move((shaft,), DRIVE, UP), *second_disc)
-    yield Move(rings[:1], DRIVE, UP)
+    yield Move(ring_names[1:], shaft, DOWN)
+    yield from (Move((shaft,), DRIVE, UP), *second_disc_moves)
+    yield Move(ring_names[:1], DRIVE, UP)

@@ -206,16 +206,18 @@ def _retaining_ring_joint(name: str, part: str, ring: stock.RetainingRing, bough
 def _hub_bearing_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     """Yield the joint of a straddled shaft and the hub of the output by a bearing; none for an overhung shaft."""
     if casing.far:
-        disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
-        recess = shoulder_radius(casing.seat, reducer.design.shaft.radius)
+        disc_start = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
+        recess_radius = shoulder_radius(casing.seat, reducer.design.shaft.radius)
         holes: tuple[tuple[str, Hole], ...] = (
-            (names.OUTPUT, (AXIS, casing.seat, disc, casing.far[1])),
-            (names.OUTPUT, (AXIS, recess, casing.far[1], casing.far[1] + RULES.collar)),
+            (names.OUTPUT, (AXIS, casing.seat, disc_start, casing.far[1])),
+            (names.OUTPUT, (AXIS, recess_radius, casing.far[1], casing.far[1] + RULES.collar)),
         )
         bearing = _shaft_bearings(reducer, casing, (1,))
         parts = (names.SHAFT, names.OUTPUT)
-        bore, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
-        yield Joint("shaft in the hub", JointKind.BEARING, parts, holes, (bearing,), bearing.fit, 1, bore, width)
+        shaft_diameter, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
+        yield Joint(
+            "shaft in the hub", JointKind.BEARING, parts, holes, (bearing,), bearing.fit, 1, shaft_diameter, width
+        )
 
 
 def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) -> BoughtPart:
@@ -242,12 +244,17 @@ def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) 
 
 def _cavity_joints(casing: Casing) -> Iterator[Joint]:
     """Yield the clearances of crank and output in the cavities of the covers, as joints with a hole each."""
-    crank = (AXIS, casing.cavity, casing.floor, _second_seat_start(casing) if casing.motor_bearing else -casing.end)
+    crank_hole = (
+        AXIS,
+        casing.cavity,
+        casing.floor,
+        _second_seat_start(casing) if casing.motor_bearing else -casing.end,
+    )
     parts = names.SHAFT, names.MOTOR_COVER
-    yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
-    output = (AXIS, casing.output_cavity, casing.end, casing.hub_floor)
+    yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank_hole),))
+    output_hole = (AXIS, casing.output_cavity, casing.end, casing.hub_floor)
     parts = names.OUTPUT, names.OUTPUT_COVER
-    yield Joint("output in its cavity", JointKind.CLEARANCE, parts, ((names.OUTPUT_COVER, output),))
+    yield Joint("output in its cavity", JointKind.CLEARANCE, parts, ((names.OUTPUT_COVER, output_hole),))
 
 
 def _output_bearing_joint(casing: Casing) -> Joint:
@@ -256,16 +263,19 @@ def _output_bearing_joint(casing: Casing) -> Joint:
     The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover. If
     both are back to back, the shoulder is next to the ring.
     """
-    hub, seat, (*inner_seats, (outer_start, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
+    hub, seat_radius, (*inner_seats, (outer_start, seat_end)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
     shoulder = hub.shoulders[1]
-    holes: tuple[Hole, ...] = ((AXIS, seat, casing.hub_floor, top), (AXIS, shoulder, top, casing.output_cover_end))
+    holes: tuple[Hole, ...] = (
+        (AXIS, seat_radius, casing.hub_floor, seat_end),
+        (AXIS, shoulder, seat_end, casing.output_cover_end),
+    )
     if not casing.has_outer_lip:
-        others = () if casing.motor_bearing else inner_seats
-        shoulder_start = others[0][1] if others else casing.hub_floor
+        other_seats = () if casing.motor_bearing else inner_seats
+        shoulder_start = other_seats[0][1] if other_seats else casing.hub_floor
         holes = (
-            *((AXIS, seat, *ends) for ends in others),
+            *((AXIS, seat_radius, *ends) for ends in other_seats),
             (AXIS, shoulder, shoulder_start, outer_start),
-            (AXIS, seat, outer_start, top),
+            (AXIS, seat_radius, outer_start, seat_end),
         )
     bearings = _output_bearings(casing, casing.bearings[-1:] if casing.motor_bearing else casing.bearings)
     parts = (names.OUTPUT, names.OUTPUT_COVER)

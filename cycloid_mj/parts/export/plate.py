@@ -129,19 +129,19 @@ def plates(
     copies = [(name, is_turned_over) for name, count, _, is_turned_over in flat_parts for _ in range(count)]
     boxes = [np.stack([shapes[name].vertices.min(axis=0), shapes[name].vertices.max(axis=0)]) for name, _ in copies]
     positions = _pack_plates([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
-    numbers = sorted({number for number, _ in positions})
+    plate_indices = sorted({plate_index for plate_index, _ in positions})
     return tuple(
         _build_plate(
             [
                 (*copy, box, np.array([*corner_position, 0.0]) - box[0])
-                for copy, box, (plate_number, corner_position) in zip(copies, boxes, positions, strict=True)
-                if plate_number == number
+                for copy, box, (index_of_plate, corner_position) in zip(copies, boxes, positions, strict=True)
+                if index_of_plate == plate_index
             ],
             shapes,
             supports,
             unsupported_areas,
         )
-        for number in numbers
+        for plate_index in plate_indices
     )
 
 
@@ -205,28 +205,29 @@ def _pack_plates(
     DesignError
         A rectangle is larger than the bed.
     """
-    pairs = [(float(width), float(depth)) for width, depth in sizes]
+    footprints = [(float(width), float(depth)) for width, depth in sizes]
     if bed is None:
-        return [(0, corner_position) for corner_position in pack_rows(pairs, GAP)]
+        return [(0, corner_position) for corner_position in pack_rows(footprints, GAP)]
     length, width = bed
-    for part, (part_length, part_depth) in zip(parts, pairs, strict=True):
+    for part, (part_length, part_depth) in zip(parts, footprints, strict=True):
         if part_length > length or part_depth > width:
             size, bed_size = (
-                " x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((part_length, part_depth), bed)
+                " x ".join(f"{MILLIMETRES * item:.4g}" for item in footprint)
+                for footprint in ((part_length, part_depth), bed)
             )
             raise DesignError(
                 f"{part} measures {size} mm, but the bed measures only {bed_size} mm: choose a larger bed (--bed), or "
                 "manufacture this part by another process"
             )
-    corner_positions = [(0, (0.0, 0.0))] * len(pairs)
-    number, x, y, row_depth = 0, 0.0, 0.0, 0.0
-    for i in sorted(range(len(pairs)), key=lambda i: (-pairs[i][1], -pairs[i][0])):
-        part_length, part_depth = pairs[i]
+    corner_positions = [(0, (0.0, 0.0))] * len(footprints)
+    plate_index, x, y, row_depth = 0, 0.0, 0.0, 0.0
+    for index in sorted(range(len(footprints)), key=lambda index: (-footprints[index][1], -footprints[index][0])):
+        part_length, part_depth = footprints[index]
         if x > 0.0 and x + part_length > length:
             x, y, row_depth = 0.0, y + row_depth + GAP, 0.0
         if y > 0.0 and y + part_depth > width:
-            number, x, y, row_depth = number + 1, 0.0, 0.0, 0.0
-        corner_positions[i] = number, (x, y)
+            plate_index, x, y, row_depth = plate_index + 1, 0.0, 0.0, 0.0
+        corner_positions[index] = plate_index, (x, y)
         x, row_depth = x + part_length + GAP, max(row_depth, part_depth)
     return corner_positions
 
@@ -266,20 +267,20 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
 
 
 def _pack_rows_of_length(
-    sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
+    sizes: Sequence[tuple[float, float]], order: Sequence[int], max_length: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Pack rectangles in rows of at most `limit` [m], with a `gap` [m] between them; return their lower left corners.
+    """Pack rectangles in rows of at most `max_length` [m], a `gap` [m] apart; return their lower left corners.
 
     `sizes` are length and depth [m] of each. They are placed in the `order` of their indices. The result has the corner
     (x, y) [m] of each rectangle, in the order of `sizes`.
     """
     corners = [(0.0, 0.0)] * len(sizes)
-    x = y = depth = 0.0
-    for number in order:
-        if x > 0.0 and x + sizes[number][0] > limit * (1.0 + RELATIVE_ROUNDING):
-            x, y, depth = 0.0, y + depth + gap, 0.0
-        corners[number] = (x, y)
-        x, depth = x + sizes[number][0] + gap, max(depth, sizes[number][1])
+    x = y = row_depth = 0.0
+    for index in order:
+        if x > 0.0 and x + sizes[index][0] > max_length * (1.0 + RELATIVE_ROUNDING):
+            x, y, row_depth = 0.0, y + row_depth + gap, 0.0
+        corners[index] = (x, y)
+        x, row_depth = x + sizes[index][0] + gap, max(row_depth, sizes[index][1])
     return corners
 
 
@@ -289,19 +290,19 @@ def _upper_end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[flo
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
     """Return the part `solid` as it lies on the print bed, on its larger end face, and whether it is turned over."""
-    bottom, top = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
-    bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == bottom)
-    top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == top)
-    is_turned_over = top_area > bottom_area
+    min_z, max_z = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
+    lower_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == min_z)
+    upper_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == max_z)
+    is_turned_over = upper_area > lower_area
     prisms = tuple(
         Prism(
             _mirror_polygon(prism.outline),
             tuple(_mirror_polygon(hole) for hole in prism.holes),
-            top - prism.z1,
-            top - prism.z0,
+            max_z - prism.z1,
+            max_z - prism.z0,
         )
         if is_turned_over
-        else Prism(prism.outline, prism.holes, prism.z0 - bottom, prism.z1 - bottom)
+        else Prism(prism.outline, prism.holes, prism.z0 - min_z, prism.z1 - min_z)
         for prism in solid.prisms
     )
     return Solid(solid.name, prisms, solid.density), is_turned_over

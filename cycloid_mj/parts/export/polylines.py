@@ -93,7 +93,7 @@ def _corners(loop: Array | Circle) -> Iterator[Array]:
 def _path_data(loop: Array | Circle) -> str:
     """Format a closed loop as path data [mm]: a polygon, or a circle as two half circles."""
     if isinstance(loop, Circle):
-        (x, y), radius = (MILLIMETRES * value for value in loop.centre), loop.radius * MILLIMETRES
-        half = f"A{radius:.6f} {radius:.6f} 0 0 0"
-        return f"M{x + radius:.6f} {-y:.6f} {half} {x - radius:.6f} {-y:.6f} {half} {x + radius:.6f} {-y:.6f} Z"
+        (x, y), radius = (MILLIMETRES * coordinate for coordinate in loop.centre), loop.radius * MILLIMETRES
+        half_arc = f"A{radius:.6f} {radius:.6f} 0 0 0"
+        return f"M{x + radius:.6f} {-y:.6f} {half_arc} {x - radius:.6f} {-y:.6f} {half_arc} {x + radius:.6f} {-y:.6f} Z"
     return "M" + " ".join(f"{x:.6f} {-y:.6f}" for x, y in (loop * MILLIMETRES).tolist()) + " Z"

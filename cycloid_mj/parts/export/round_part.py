@@ -58,8 +58,10 @@ class RoundPart:
 
 def tube(bore: float, outside: float, width: float) -> RoundPart:
     """Return a bought ring (bearing, roller, washer or insert) of two radii and a width [m], centred at z = 0."""
-    half = 0.5 * width
-    return RoundPart(names.SHAFT, ((outside, -half, half),), ((AXIS, bore, -half, half),), bought=True)
+    half_width = 0.5 * width
+    return RoundPart(
+        names.SHAFT, ((outside, -half_width, half_width),), ((AXIS, bore, -half_width, half_width),), bought=True
+    )
 
 
 def screw_body(bolt: stock.Bolt, length: float) -> RoundPart:
@@ -70,8 +72,8 @@ def screw_body(bolt: stock.Bolt, length: float) -> RoundPart:
 
 def dowel_body(dowel: stock.Dowel) -> RoundPart:
     """Return a dowel, centred at z = 0."""
-    half = 0.5 * dowel.length
-    return RoundPart(names.PIN, ((0.5 * dowel.diameter, -half, half),), bought=True)
+    half_length = 0.5 * dowel.length
+    return RoundPart(names.PIN, ((0.5 * dowel.diameter, -half_length, half_length),), bought=True)
 
 
 def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ()) -> tuple[Segment, ...]:

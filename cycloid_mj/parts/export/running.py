@@ -148,14 +148,16 @@ def _swept_ring(placement: PlacedPart, segment: Segment) -> Annulus:
     `placement` is the position of the part. A part of a disc orbits about the axis with it.
     """
     x, y, z = placement.origin
-    orbit = math.hypot(x, y) if names.family(placement.body) == names.GEAR else 0.0
-    centre = np.zeros(2) if orbit else np.array([x, y])
-    inner, outer = _radii(segment.outline, centre)
-    inner = max((_radii(hole, centre)[0] for hole in segment.holes if _surrounds_axis(hole, centre)), default=inner)
-    solid = _surrounds_axis(segment.outline, centre) and inner == _radii(segment.outline, centre)[0]
-    radii = 0.0 if solid else max(inner - orbit, 0.0), outer + orbit
+    orbit_radius = math.hypot(x, y) if names.family(placement.body) == names.GEAR else 0.0
+    centre = np.zeros(2) if orbit_radius else np.array([x, y])
+    inner_radius, outer_radius = _radii(segment.outline, centre)
+    inner_radius = max(
+        (_radii(hole, centre)[0] for hole in segment.holes if _surrounds_axis(hole, centre)), default=inner_radius
+    )
+    is_solid = _surrounds_axis(segment.outline, centre) and inner_radius == _radii(segment.outline, centre)[0]
+    radii = 0.0 if is_solid else max(inner_radius - orbit_radius, 0.0), outer_radius + orbit_radius
     ends = segment.z0 + z, segment.z1 + z
-    return Annulus(placement.part, placement.body, *(round(value, 10) for value in (*radii, *ends)))
+    return Annulus(placement.part, placement.body, *(round(length, 10) for length in (*radii, *ends)))
 
 
 def _radii(contour: Contour, centre: Array) -> tuple[float, float]:

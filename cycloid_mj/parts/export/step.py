@@ -108,7 +108,7 @@ def step_assembly(
     for placement in placements:
         motion = occ.gp_Trsf()
         motion.SetRotation(axis, placement.angle)
-        motion.SetTranslationPart(occ.gp_Vec(*(MILLIMETRES * value for value in placement.origin)))
+        motion.SetTranslationPart(occ.gp_Vec(*(MILLIMETRES * coordinate for coordinate in placement.origin)))
         _set_name(shapes.AddComponent(root, labels[placement.part], occ.TopLoc_Location(motion)), placement.name)
     shapes.UpdateAssemblies()
     return _encode_document(document, name)
@@ -183,14 +183,14 @@ def _add_part(
             f"OpenCASCADE cannot build the solid of the part {name} ({error}): check the design with `cycloid-mj "
             "design check`, or export STL (--format stl)"
         ) from error
-    solids, count = occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_SOLID), 0
+    solids, solid_count = occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_SOLID), 0
     while solids.More():
-        count += 1
+        solid_count += 1
         solids.Next()
-    if count != solids_wanted:
+    if solid_count != solids_wanted:
         raise CycloidError(
-            f"the sections of the {name} form {count} separate solids instead of {solids_wanted}: check the design "
-            "with `cycloid-mj design check`, or export STL (--format stl)"
+            f"the sections of the {name} form {solid_count} separate solids instead of {solids_wanted}: check the "
+            "design with `cycloid-mj design check`, or export STL (--format stl)"
         )
     label = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).AddShape(shape, False)
     _set_name(label, name)
@@ -261,10 +261,10 @@ def _unite_bodies(first_body: Any, other_bodies: Sequence[Any]) -> Any:
 def _drill_bores(shape: Any, bores: Sequence[CrossHole]) -> Any:
     """Return an OpenCASCADE solid, `shape`, with the holes `bores` across its axis."""
     for bore in bores:
-        start = occ.gp_Pnt(*(MILLIMETRES * value for value in bore.start))
+        start = occ.gp_Pnt(*(MILLIMETRES * coordinate for coordinate in bore.start))
         frame = occ.gp_Ax2(start, occ.gp_Dir(*bore.direction))
-        size = MILLIMETRES * bore.radius, MILLIMETRES * bore.length
-        shape = occ.BRepAlgoAPI_Cut(shape, occ.BRepPrimAPI_MakeCylinder(frame, *size).Shape()).Shape()
+        cylinder_size = MILLIMETRES * bore.radius, MILLIMETRES * bore.length
+        shape = occ.BRepAlgoAPI_Cut(shape, occ.BRepPrimAPI_MakeCylinder(frame, *cylinder_size).Shape()).Shape()
     return shape
 
 
@@ -313,10 +313,10 @@ def _edge_break_size(edge: Any, edges: Sequence[BrokenEdge]) -> float:
 
 def _list(shapes: Sequence[Any]) -> Any:
     """Return a list of OpenCASCADE with shapes."""
-    collected = occ.List_TopoDS_Shape()
+    occ_list = occ.List_TopoDS_Shape()
     for shape in shapes:
-        collected.Append(shape)
-    return collected
+        occ_list.Append(shape)
+    return occ_list
 
 
 def _extrude(section: PartSection) -> Any:
@@ -370,9 +370,9 @@ def _curve_edge(curve: Curve, z: float) -> Any:
     return occ.BRepBuilderAPI_MakeEdge(*shape).Edge()
 
 
-def _array(kind: Any, values: Sequence[Any]) -> Any:
+def _array(kind: Any, items: Sequence[Any]) -> Any:
     """Return an array of OpenCASCADE with values, numbered from 1."""
-    array = kind(1, len(values))
-    for number, value in enumerate(values, start=1):
-        array.SetValue(number, value)
+    array = kind(1, len(items))
+    for number, item in enumerate(items, start=1):
+        array.SetValue(number, item)
     return array

@@ -46,16 +46,16 @@ def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
     corners = shape.vertices[shape.faces]
     corner_a, corner_b, corner_c = corners.transpose(1, 0, 2)
     is_level = np.ptp(corners[..., 2], axis=1) == 0.0
-    faces_down = (
+    is_overhanging = (
         is_level
         & (np.cross(corner_b - corner_a, corner_c - corner_a)[:, 2] < -SUPPORTS.sliver_area)
         & (corner_a[:, 2] > 0.0)
     )
-    for z in np.unique(corner_a[faces_down, 2]):
-        triangles = corners[faces_down & (corner_a[:, 2] == z)][:, ::-1, :2] / GRIDS.unit
+    for z in np.unique(corner_a[is_overhanging, 2]):
+        triangles = corners[is_overhanging & (corner_a[:, 2] == z)][:, ::-1, :2] / GRIDS.unit
         for region in manifold3d.CrossSection(list(triangles)).decompose():
             outline, *holes = sorted(
-                (GRIDS.unit * ring for ring in region.to_polygons()), key=signed_area, reverse=True
+                (GRIDS.unit * polygon for polygon in region.to_polygons()), key=signed_area, reverse=True
             )
             face = Overhang(float(z), outline, tuple(hole[::-1] for hole in holes), region.area() * GRIDS.unit**2)
             if not _is_bridged(face):
@@ -88,15 +88,15 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     outline = circle(radius - gap, chord_error, centre)
     holes: tuple[Array, ...] = ()
     if inner_circle:
-        (x, y), bore = inner_circle
-        if np.hypot(x - centre[0], y - centre[1]) + bore + 3.0 * gap > radius:
+        (x, y), hole_radius = inner_circle
+        if np.hypot(x - centre[0], y - centre[1]) + hole_radius + 3.0 * gap > radius:
             return None
-        holes = (circle(bore + gap, chord_error, inner_circle[0]),)
+        holes = (circle(hole_radius + gap, chord_error, inner_circle[0]),)
     floors = _floor_heights(solid, np.concatenate([outline, *holes]), overhang.z)
     if len(floors) > 1:
         return None
-    floor = floors.pop()
-    support_base = floor + SUPPORTS.gap_below if floor else 0.0
+    floor_height = floors.pop()
+    support_base = floor_height + SUPPORTS.gap_below if floor_height else 0.0
     return (
         mesh(Prism(outline, holes, support_base, overhang.z - SUPPORTS.gap_below))
         if support_base < overhang.z - SUPPORTS.gap_below
@@ -106,10 +106,14 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
 
 def _is_bridged(face: Overhang) -> bool:
     """Return whether a face is printed without support: the end of a small hole, or a narrow ledge."""
-    outer, inner = _circle_of(face.outline), _largest_hole(face.holes)
-    if not outer:
+    outer_circle, inner_circle = _circle_of(face.outline), _largest_hole(face.holes)
+    if not outer_circle:
         return False
-    return outer[1] - inner[1] <= SUPPORTS.max_ledge if inner else 2.0 * outer[1] <= SUPPORTS.max_bridge
+    return (
+        outer_circle[1] - inner_circle[1] <= SUPPORTS.max_ledge
+        if inner_circle
+        else 2.0 * outer_circle[1] <= SUPPORTS.max_bridge
+    )
 
 
 def _largest_hole(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:

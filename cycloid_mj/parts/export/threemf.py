@@ -76,7 +76,7 @@ def _base_materials(materials: list[Material]) -> str:
     if not materials:
         return ""
     bases = "".join(
-        f'<base name="{escape(name)}" displaycolor="#{"".join(f"{round(255 * value):02X}" for value in colour[:3])}"/>'
+        f'<base name="{escape(name)}" displaycolor="#{"".join(f"{round(255 * share):02X}" for share in colour[:3])}"/>'
         for name, colour in materials
     )
     return f'<basematerials id="{MATERIALS_ID}">{bases}</basematerials>\n'

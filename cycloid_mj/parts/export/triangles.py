@@ -46,8 +46,8 @@ def read_stl(content: bytes, path: str = "the file") -> Array:
 def _normals(corners: Array) -> Array:
     """Compute the unit normals (m, 3) of triangles; zero where a triangle has no area."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
 
 
 def obj_bytes(shape: Mesh, name: str, scale: float = 1.0) -> bytes:
