@@ -50,8 +50,8 @@ def run_all(
         Another error of a run, such as an existing log.
     """
     workers = min(Engine(kind="threads").local_workers, len(jobs))
-    total = sum(design.drive.ramp + design.drive.hold for design in jobs)
-    with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
+    total_time = sum(design.drive.ramp + design.drive.hold for design in jobs)
+    with Progress(total_time, quiet) as progress, ThreadPoolExecutor(workers) as pool:
         count_text = "1 simulation" if len(jobs) == 1 else f"{len(jobs)} simulations, {workers} of them in parallel"
         progress.tell(f"running {count_text}")
         total_progress = _TotalProgress(progress)

@@ -292,20 +292,20 @@ def _calibration_outcome(
     from cycloid_mj.report.results import calibration_page
 
     name, fit = calibration.design.name, calibration.fitted
-    figures = quantities(reducer_of(calibration.design))
-    rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
+    design_quantities = quantities(reducer_of(calibration.design))
+    residual_rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
     for loop, model_angles in zip(fit.loops, fit.turns, strict=True):
         measured_angles, model = loop.deflection / DEGREE, model_angles / DEGREE
-        rows += [
-            f"{loop.name},{torque!r},{value!r},{modelled_angle!r},{value - modelled_angle!r}"
-            for torque, value, modelled_angle in zip(
+        residual_rows += [
+            f"{loop.name},{torque!r},{measured_angle!r},{modelled_angle!r},{measured_angle - modelled_angle!r}"
+            for torque, measured_angle, modelled_angle in zip(
                 loop.torque.tolist(), measured_angles.tolist(), model.tolist(), strict=True
             )
         ]
     draw = cache(partial(encode_figure, calibration_figure(calibration)))
     files = {
         f"{name}.toml": dump(calibration.design).encode(),
-        f"{name}-residuals.csv": encodable_text("\n".join([*rows, ""])).encode(),
+        f"{name}-residuals.csv": encodable_text("\n".join([*residual_rows, ""])).encode(),
     }
     file_names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(
@@ -325,13 +325,13 @@ def _calibration_outcome(
             *(f"the model does not fit the loop: {sentence}" for sentence in calibration.misfits),
         ],
         headline=_headline(calibration),
-        tables=[*calibration.tables(), quantity_table("figures of the calibrated design", figures.values())],
+        tables=[*calibration.tables(), quantity_table("figures of the calibrated design", design_quantities.values())],
         summary=[f"measure next: {sentence}" for sentence in calibration.measure_next],
         notes=calibration.notes,
         pictures={f"{name}-loops": draw},
         files=files,
         result=calibration.as_json()
-        | {"unusable": None if unusable is None else list(unusable), "figures": values_json(figures)}
+        | {"unusable": None if unusable is None else list(unusable), "figures": values_json(design_quantities)}
         | {"files": [*destination.paths(file_names), str(destination.page)]},
         page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTESTED,) if unusable is None else unusable),
         code=1 if unusable else 0,
@@ -390,11 +390,11 @@ def compare_bench(
     from cycloid_mj.plots.bench import comparison_figure
     from cycloid_mj.plots.save import encode_figure
 
-    measured = read_te(te)
+    measured_error = read_te(te)
     design = design_options.resolve_checked()
-    stem = f"{design.name}-{measured.name}"
+    stem = f"{design.name}-{measured_error.name}"
     destination = claim_destination(output_flags, stem, [f"{stem}.png"], OUT_TE)
-    comparison = compare_with_bench(design, measured, load_nm)
+    comparison = compare_with_bench(design, measured_error, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",
         headline={"share of the measured variance that the model explains": f"{comparison.explained_share:.1%}"},

@@ -250,10 +250,11 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of a comparison: independent starts, and variations of parameters of the contacts.
+    """Plan the runs of a comparison: several initial states of each design, and variations of contact parameters.
 
     `cases` are the designs under their loads, from `list_cases`. Among the `options`, ``--sweep`` adds runs with other
-    damping, friction and fixed pins; ``--quick`` omits most starts and the runs with other assumed contact values.
+    damping, friction and fixed pins; ``--quick`` omits most initial states, and the runs with other assumed contact
+    values.
 
     Raises
     ------
@@ -312,8 +313,8 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
     Returns
     -------
     tuple
-        Time series of the run after it has settled; and the design of the run with the compared quantities: results of
-        the analysis, fluctuation, vibration and forces (`Measures`).
+        Time series of the run after it has settled; and a `Trial` of this run alone: its design and its `Measures`,
+        the results of the analysis, rms deviations from the closed form, vibration and forces.
 
     Raises
     ------

@@ -183,18 +183,18 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
     the values.
     """
     destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
-    rows = len(next(iter(columns.values())))
+    row_count = len(next(iter(columns.values())))
     if files or not flags.json:
         write_csv(file, columns)
     if files:
-        note(f"wrote {rows} rows of {len(columns)} columns to {file}")
+        note(f"wrote {row_count} rows of {len(columns)} columns to {file}")
     numbers = {name: column for name, column in columns.items() if column.dtype.kind == "f"}
     ranges = tuple((name, f"{column.min():.6g}", f"{column.max():.6g}") for name, column in numbers.items())
     values = {name: column.tolist() for name, column in columns.items()} if flags.json and not files else None
     outcome = Outcome(
         title=title,
-        tables=[Table(f"{rows} rows of {len(columns)} columns", ("column", "least", "most"), ranges)],
-        result={"files": files, "rows": rows, "columns": list(columns)} | ({"values": values} if values else {}),
+        tables=[Table(f"{row_count} rows of {len(columns)} columns", ("column", "least", "most"), ranges)],
+        result={"files": files, "rows": row_count, "columns": list(columns)} | ({"values": values} if values else {}),
     )
     if flags.json or (flags.all and files):
         return deliver(outcome, destination, flags)

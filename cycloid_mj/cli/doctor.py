@@ -161,6 +161,10 @@ def _test_rendering() -> Iterator[Finding]:
 
 def _check_extras() -> Iterator[Finding]:
     for extra, modules in EXTRAS.items():
-        missing = [module for module in modules if find_spec(module) is None]
-        extra_text = f"missing {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
-        yield Finding(f"extra {extra}", not missing, False, extra_text)
+        missing_modules = [module for module in modules if find_spec(module) is None]
+        extra_text = (
+            f"missing {', '.join(missing_modules)}: pip install 'cycloid-mj[{extra}]'"
+            if missing_modules
+            else "installed"
+        )
+        yield Finding(f"extra {extra}", not missing_modules, False, extra_text)

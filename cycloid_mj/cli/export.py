@@ -291,8 +291,8 @@ class ExportFlags:
         from cycloid_mj.parts.export.print_files import PrintSettings, stock_cam_seat
 
         bore = self.cam_bearing_bore_mm
-        seat = round(0.5e-3 * bore, 9) if bore else stock_cam_seat(reducer)
-        return PrintSettings(self.chord_error, self.offset, seat, _bed_size(self.bed))
+        seat_radius = round(0.5e-3 * bore, 9) if bore else stock_cam_seat(reducer)
+        return PrintSettings(self.chord_error, self.offset, seat_radius, _bed_size(self.bed))
 
 
 EXPORT = ExportFlags()
@@ -497,11 +497,11 @@ def _make_print_plates(reducer: Reducer, casing: "Casing | None", settings: "Pri
     warn(reducer.design.name, print_output.warnings)
     counts: Counter[str] = sum((Counter(plate.counts) for plate in print_output.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    parts = (item for item in print_output.bill if item.made_or_bought != "consumable")  # these are notes
-    rows = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in parts)
+    bill_lines = (item for item in print_output.bill if item.made_or_bought != "consumable")  # these are notes
+    bill_rows = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in bill_lines)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
-        Table("bill of materials", columns, rows, words=(2, 3, 4, 5)),
+        Table("bill of materials", columns, bill_rows, words=(2, 3, 4, 5)),
     )
     json_entries = {"bom": [asdict(item) for item in print_output.bill], "consumables": list(print_output.consumables)}
     plate_by_file = {f"{stem}.stl": plate for stem, plate in print_output.plates.items()}

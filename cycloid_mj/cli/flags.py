@@ -121,10 +121,10 @@ def whole_number(text: str) -> int:
 def _suggest_integers(text: str) -> str:
     """Return a hint with the nearest integers of a number; empty for other text."""
     try:
-        below, above = math.floor(float(text)), math.ceil(float(text))
+        lower_integer, upper_integer = math.floor(float(text)), math.ceil(float(text))
     except (ValueError, OverflowError):
         return ""
-    return f"; give {below}" if below == above else f"; give {below} or {above}"
+    return f"; give {lower_integer}" if lower_integer == upper_integer else f"; give {lower_integer} or {upper_integer}"
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:

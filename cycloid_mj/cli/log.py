@@ -272,7 +272,8 @@ def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
 def _describe_contents(log: "Log") -> dict[str, Any]:
     """Return the contents of a log as JSON values.
 
-    ``bytes`` is its size, ``whole`` whether the file is complete, ``complete`` and ``note`` are those of the run.
+    ``bytes`` is its size, ``whole`` whether the file is complete, ``complete`` whether the run reached its end, and
+    ``note`` the reason if not.
     ``samples``, ``start_s``, ``end_s`` and ``rate_hz`` describe its samples, ``topics`` are the columns by topic,
     ``viewers`` the topics for 3-D viewers, ``attachments`` sizes in bytes by name, and ``provenance`` texts by name.
     """
@@ -295,5 +296,5 @@ def _describe_contents(log: "Log") -> dict[str, Any]:
 
 def _rate(run: "Run") -> float:
     """Compute the samples per second [1/s]; 0 of a single one."""
-    span = float(run.time[-1] - run.time[0])
-    return (len(run) - 1) / span if span else 0.0
+    duration = float(run.time[-1] - run.time[0])
+    return (len(run) - 1) / duration if duration else 0.0

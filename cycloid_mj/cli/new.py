@@ -590,10 +590,10 @@ def _motor_speed(motor: str, torque: float) -> float:
                 + (next_speed - previous_speed) * (previous_torque - torque) / (previous_torque - next_torque)
             )
     if not speeds:
-        peak = max(available_torque for _, available_torque in curve)
+        max_torque = max(available_torque for _, available_torque in curve)
         raise UsageError(
-            f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {peak:.4g} N m at "
-            "any speed. Choose a stronger motor, a larger ratio or less torque"
+            f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {max_torque:.4g} N m "
+            "at any speed. Choose a stronger motor, a larger ratio or less torque"
         )
     return max(speeds)
 

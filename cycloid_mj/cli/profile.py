@@ -119,19 +119,19 @@ def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
             f"{crank_angles * design.ring.teeth:,} rows, but at most {RANGES.rows[1]:,} are allowed: use --points "
             f"{RANGES.rows[1] // design.ring.teeth} or fewer"
         )
-    lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
+    all_lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = reducer.contacts[design.tooth_pair].modulus
     force = reducer.at_rated_load.contacts[design.tooth_pair].force
-    x, y = 1e3 * lines.points.T
+    x, y = 1e3 * all_lines.points.T
     return {
-        "crank_deg": np.degrees(lines.crank_angle),
-        "tooth": (lines.tooth + 1).astype(str),
-        "part": lines.part,
-        "phase_deg": np.degrees(lines.phase),
+        "crank_deg": np.degrees(all_lines.crank_angle),
+        "tooth": (all_lines.tooth + 1).astype(str),
+        "part": all_lines.part,
+        "phase_deg": np.degrees(all_lines.phase),
         "x_mm": x,
         "y_mm": y,
-        "relative_curvature_per_mm": 1e-3 * lines.relative_curvature,
-        "pressure_mpa": 1e-6 * peak_pressure(lines, force, design.gear.face_width, modulus),
+        "relative_curvature_per_mm": 1e-3 * all_lines.relative_curvature,
+        "pressure_mpa": 1e-6 * peak_pressure(all_lines, force, design.gear.face_width, modulus),
     }
 
 

@@ -118,8 +118,8 @@ def protocol(
     return deliver(_outcome(sheet), destination, output_flags)
 
 
-def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol, `sheet`, to printable results: quantities of model and bench, definitions, diagram.
+def _outcome(test_protocol: "Protocol") -> Outcome:
+    """Convert a test protocol to printable results: quantities of model and bench, their definitions, diagram.
 
     Each quantity in the headline is that of the bench if it was measured, else that of the model.
     """
@@ -128,20 +128,20 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import encode_figure
 
-    measured_keys = {key for key, figure in sheet.bench.items() if not isnan(figure.value)}
+    measured_keys = {key for key, figure in test_protocol.bench.items() if not isnan(figure.value)}
     headline_figures = {
-        key: sheet.bench[key] if key in measured_keys else figure for key, figure in sheet.model.items()
+        key: test_protocol.bench[key] if key in measured_keys else figure for key, figure in test_protocol.model.items()
     }
     return Outcome(
-        title=f"protocol of {sheet.design}",
-        condition=f"rated torque {sheet.rated:.4g} N m",
+        title=f"protocol of {test_protocol.design}",
+        condition=f"rated torque {test_protocol.rated:.4g} N m",
         headline={
             f"{LINES[key].name}{', bench' if key in measured_keys else ''}": f"{figure.value:.4g} {LINES[key].unit}"
             for key, figure in headline_figures.items()
         },
-        tables=[sheet.table()],
-        frame=sheet.frame,
-        notes=[*sheet.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
-        pictures={f"{sheet.design}-protocol": partial(encode_figure, protocol_figure(sheet))},
-        result=to_json_values(sheet.as_json()),
+        tables=[test_protocol.table()],
+        frame=test_protocol.frame,
+        notes=[*test_protocol.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
+        pictures={f"{test_protocol.design}-protocol": partial(encode_figure, protocol_figure(test_protocol))},
+        result=to_json_values(test_protocol.as_json()),
     )

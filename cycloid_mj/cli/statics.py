@@ -94,16 +94,16 @@ def statics(
 
 
 def _outcome(
-    static: "Sheet",
+    sheet: "Sheet",
     figures: Mapping[str, Quantity],
     inheritance: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
     """Convert the statics of a design to printable results: quantities, and the efficiency map if it was computed.
 
-    `static` has the quantities of the first table, `figures` the quantities of the second, by the keys of `cycloid-mj
-    figures`. `inheritance` has the values that the design file takes from its preset; None without a file. `points` are
-    the points of the efficiency map; empty if it was not computed.
+    `sheet` has the quantities of the static data sheet. `figures` are those of the table by keys of `cycloid-mj
+    figures`, such as ``backlash_arcmin``. `inheritance` has the values that the design file takes from its preset; None
+    without a file. `points` are the points of the efficiency map; empty if it was not computed.
     """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
@@ -111,8 +111,8 @@ def _outcome(
     from cycloid_mj.statics.sheet import COMPARED
 
     rows = []
-    for quantity in static.quantities.values():
-        known_difference = static.known_difference(quantity)
+    for quantity in sheet.quantities.values():
+        known_difference = sheet.known_difference(quantity)
         value_text = "-" if quantity.value != quantity.value else four_digits(quantity.value)
         if quantity.low is not None and quantity.high is not None:
             value_text = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
@@ -122,28 +122,28 @@ def _outcome(
                 value_text,
                 quantity.unit,
                 "" if known_difference is None else f"{100.0 * known_difference:g} %",
-                static.parts,
+                sheet.parts,
             )
         )
     return Outcome(
-        title=f"statics: {static.design}",
-        condition=static.condition,
-        headline=headline(item for key, item in static.quantities.items() if key in HEADLINE),
+        title=f"statics: {sheet.design}",
+        condition=sheet.condition,
+        headline=headline(item for key, item in sheet.quantities.items() if key in HEADLINE),
         tables=[
-            Table(f"statics: {static.design}, {static.condition}", HEADER, tuple(rows)),
+            Table(f"statics: {sheet.design}, {sheet.condition}", HEADER, tuple(rows)),
             Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
             *(map_tables(points) if points else ()),
         ],
-        summary=[f"{item.name}: {item.note}" for item in static.quantities.values() if item.low is not None],
+        summary=[f"{item.name}: {item.note}" for item in sheet.quantities.values() if item.low is not None],
         notes=[
-            f"load: {SOURCES[static.load_source]}",
+            f"load: {SOURCES[sheet.load_source]}",
             *([inheritance.note] if inheritance and inheritance.note else []),
-            *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note and item.low is None),
-            *([f"known difference: the largest, relative, from {COMPARED}"] if static.has_known_differences else []),
-            *(f"assumed: {sentence}" for sentence in static.assumptions),
+            *(f"{item.name}: {item.note}" for item in sheet.quantities.values() if item.note and item.low is None),
+            *([f"known difference: the largest, relative, from {COMPARED}"] if sheet.has_known_differences else []),
+            *(f"assumed: {sentence}" for sentence in sheet.assumptions),
         ],
-        frame=quantity_frame(static.quantities),
-        result=static.as_json()
+        frame=quantity_frame(sheet.quantities),
+        result=sheet.as_json()
         | {"figures": values_json(figures)}
         | ({"map": [point.as_json() for point in points]} if points else {}),
     )

@@ -320,11 +320,11 @@ def _write_springs(
             )
     mounting = None if mounts is None else read_mounts(Path(mounts))
     _require_runnable(designs)
-    names = [f"{design.name}-springs.toml" for design in designs]
+    file_names = [f"{design.name}-springs.toml" for design in designs]
     destination = _claim(
-        claim_folder(output_flags.out or RUNS, "the designs", [*names, *FILES], output_flags.force), output_flags
+        claim_folder(output_flags.out or RUNS, "the designs", [*file_names, *FILES], output_flags.force), output_flags
     )
-    results = []
+    springs_by_design = []
     for design in designs:
         if not output_flags.quiet:
             tell(
@@ -332,13 +332,15 @@ def _write_springs(
                 "elements at 12 crank angles"
             )
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
-        results.append(part_springs(Reducer(design.but(load={"torque": torque})), mounting))
+        springs_by_design.append(part_springs(Reducer(design.but(load={"torque": torque})), mounting))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={springs.design.name: springs.text for springs in results[:MOST_FIGURES]},
-        tables=[springs.table() for springs in results],
-        files={name: dump(springs.design).encode() for name, springs in zip(names, results, strict=True)},
-        result={"designs": [springs.as_json() for springs in results]},
+        headline={springs.design.name: springs.text for springs in springs_by_design[:MOST_FIGURES]},
+        tables=[springs.table() for springs in springs_by_design],
+        files={
+            name: dump(springs.design).encode() for name, springs in zip(file_names, springs_by_design, strict=True)
+        },
+        result={"designs": [springs.as_json() for springs in springs_by_design]},
     )
     return deliver(outcome, destination, output_flags)
 

@@ -239,7 +239,7 @@ def _claim_json(claim: "Claim") -> dict[str, str]:
     """Convert a claim of a paper on stresses and our verdict on it to JSON values.
 
     The keys are ``figure`` (of the paper), ``statement``, ``found`` (our result in words), ``verdict`` and
-    ``decided_by``.
+    ``decided_by`` (what decides the verdict, in words).
     """
     return {
         "figure": claim.figure,

@@ -78,7 +78,10 @@ def thermal(
 
 
 def _warnings(state: "ThermalState", design: Design, cycle: "Duty") -> Iterator[str]:
-    """Yield warnings about a thermal state: a torque limit below the torque, preloaded teeth, ignored temperatures."""
+    """Yield warnings about a thermal state: a torque limit below the torque, preloaded teeth, ignored temperatures.
+
+    The torque is the largest of the duty `cycle`.
+    """
     torque = max(abs(point.torque) for point in cycle.points)
     if not state.jams and state.torque < torque:
         remedy = (
@@ -108,13 +111,14 @@ def _outcome(state: "ThermalState", warnings: list[str], destination: Destinatio
     failures, name = [], f"{state.design}-thermal"
     if state.jams_when_steady:
         pair, clearance = min(state.clearances.items(), key=lambda item: item[1])
-        inner, outer = (BODY_OF[part] for part in PARTNERS[pair])
+        inner_body, outer_body = (BODY_OF[part] for part in PARTNERS[pair])
         cause = (
             f"the disc is {state.difference:.3g} K warmer than the ring, and {state.jam_difference:.3g} K close the "
             "teeth"
             if state.play <= min(0.0, clearance)
-            else f"the clearance of {pair.replace('_', ' ')} changes to {1e6 * clearance:.3g} um, with the {inner} at "
-            f"{state.temperatures[inner]:.3g} °C and the {outer} at {state.temperatures[outer]:.3g} °C"
+            else f"the clearance of {pair.replace('_', ' ')} changes to {1e6 * clearance:.3g} um, with the "
+            f"{inner_body} at {state.temperatures[inner_body]:.3g} °C and the {outer_body} at "
+            f"{state.temperatures[outer_body]:.3g} °C"
         )
         failures.append(
             f"the parts jam when warm: {cause}. Reduce the torque to {state.torque:.3g} N m, or increase the clearances"

@@ -153,8 +153,9 @@ def _headline(
 ) -> dict[str, tuple[str, ...]]:
     """Return the main quantities of statics and of the runs under one load, as rows of text by name.
 
-    A row has the value of each design, the ratio of each further design to the first, and the unit. `trials` are the
-    runs of each design, `static_quantities` are the static quantities by design and key.
+    A row has the value of each design, the ratio of each further design to the first, and the unit. There is a `Trial`
+    for each design, with the measures of its runs from all initial states; the value is their mean.
+    `static_quantities` are the static quantities by design and key.
     """
     from cycloid_mj.comparison.table import HEADLINE as RUN_QUANTITIES
 

@@ -52,10 +52,10 @@ def wear(
     service.run_in_depth_um. They are known only within a factor of ten. Wear is therefore computed three times: with
     the typical coefficients, and with all coefficients at their 5 and 95 % percentiles.
 
-    A computation ends when the lost motion has grown by --growth-percent, or when a part is worn through. If this takes
-    longer than --hours, the accuracy life is extrapolated by the law of wear and run-in with the last contact forces.
-    The JSON has accuracy_life_h, accuracy_life_interval_h, accuracy_life_extrapolated, records over time and the depths
-    of all surfaces. Ctrl-C keeps the finished steps.
+    The accuracy life is the time until the lost motion has grown by --growth-percent, or a part is worn through. If it
+    exceeds --hours, it is extrapolated by the law of wear and run-in with the last contact forces. The JSON has
+    accuracy_life_h, accuracy_life_interval_h, accuracy_life_extrapolated, records (accuracy, forces and wear depths at
+    several times) and the depths of all surfaces. Ctrl-C keeps the finished steps.
     """
     from cycloid_mj.life.accuracy_life import wear as compute
     from cycloid_mj.life.wear_course import CASES
@@ -78,7 +78,12 @@ def wear(
 
 
 def _outcome(result: "WearLife", destination: Destination) -> Outcome:
-    """Convert the `result` of a wear computation to printable output: accuracy life, records, surfaces, diagram."""
+    """Convert the `result` of a wear computation to printable output: headline, tables and diagram.
+
+    The headline has the accuracy life: the time until the lost motion has grown by `WearLife.growth`. The tables have
+    accuracy, forces and wear depths at several times, and the worn surfaces. `destination` has the paths of the output
+    files; the diagram is drawn only if there is one.
+    """
     from cycloid_mj.base.units import ARCMINUTE
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure
