@@ -114,13 +114,13 @@ def compute_shares(
     terms = _estimator_terms(
         figure_sets, [_standardise_deviations(zones, deviation, usable_rows) for deviation in deviations]
     )
-    first_order_share = terms.first_order.mean(axis=1) / terms.variance.mean()
-    total, lower_bounds, upper_bounds = _jackknife_ratios(terms.total, terms.variance)
+    first_order_shares = terms.first_order.mean(axis=1) / terms.variance.mean()
+    total_shares, lower_bounds, upper_bounds = _jackknife_ratios(terms.total, terms.variance)
     shares = [
         Share(
             name,
-            _clip_share(first_order_share[index], _clip_share(total[index])),
-            _clip_share(total[index]),
+            _clip_share(first_order_shares[index], _clip_share(total_shares[index])),
+            _clip_share(total_shares[index]),
             (_clip_share(lower_bounds[index]), _clip_share(upper_bounds[index])),
         )
         for index, name in enumerate(names)
@@ -195,12 +195,12 @@ def _fit_control_variate(values: _FigureSets, deviations: Sequence[list[Array]])
         the variance that the model attributes to each tolerance, shape (tolerances, n).
     """
     deviations_a, deviations_b = deviations
-    tolerances, sample_count = values.mixed.shape
+    tolerance_count, sample_count = values.mixed.shape
     fold_of_sample = np.arange(sample_count) % SOBOL.folds
-    fit_a, fit_b, variances = np.zeros((3, tolerances, sample_count))
+    fit_a, fit_b, variances = np.zeros((3, tolerance_count, sample_count))
     constants = np.zeros(sample_count)
     model_tolerances = _choose_model_tolerances(values, deviations_a)
-    ends = np.cumsum([deviations_a[index].shape[1] for index in model_tolerances], dtype=int)
+    column_ends = np.cumsum([deviations_a[index].shape[1] for index in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
         training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
         columns = np.concatenate(
@@ -208,7 +208,7 @@ def _fit_control_variate(values: _FigureSets, deviations: Sequence[list[Array]])
         )
         target = np.concatenate([values.set_a[training], values.set_b[training]])
         # normal equations: the columns are independent draws, four rows and more for each
-        constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
+        constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + column_ends)])
         constants[validation] = constant[0]
         for index, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
             fit_a[index, validation], fit_b[index, validation] = (

@@ -67,21 +67,24 @@ class RunPlan:
     def collect_trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """Return a `Trial` for each of `designs` with a changed parameter: the measured quantities of all its runs.
+        """Return a `Trial` for each of `designs`: the design with a changed parameter and the measures of all its runs.
 
-        A trial has the quantities of the first run, and those of its repetitions.
-        Each design has several runs, from independent initial states. In `self.starts`, these are copies of the design
-        with gravity in other directions. `variation` is the change of a parameter of all of them. `measures_by_design`
-        has the measured quantities of each run, by the copy of the design after the variation.
+        The runs of a design start from several initial states. Each is represented in `self.starts` by a copy of the
+        design with gravity in another direction, the first by the design itself. `variation` is the change of a
+        parameter of all copies. `measures_by_design` has the measured quantities of each run, by the changed copy.
         """
-        starts_by_design = ([variation.of(reducer_of(start)) for start in self.starts[design]] for design in designs)
+        copies_by_design = (
+            [variation.of(reducer_of(design_copy)) for design_copy in self.starts[design]] for design in designs
+        )
         return [
-            Trial(first_start, measures_by_design[first_start], tuple(measures_by_design[repeat] for repeat in repeats))
-            for first_start, *repeats in starts_by_design
+            Trial(
+                first_copy, measures_by_design[first_copy], tuple(measures_by_design[other] for other in other_copies)
+            )
+            for first_copy, *other_copies in copies_by_design
         ]
 
     def compare(self, measures_by_design: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
-        """Compare the designs by what was measured in all runs; return tables, order of the designs, and sensitivities.
+        """Compare the designs by the quantities measured in all runs, and compute their changes with assumed values.
 
         `measures_by_design` has the measured quantities of every simulated design. `motions` has the logged motion of
         the first run of each design under each load, by that design.
@@ -220,6 +223,8 @@ def plan_runs(
 ) -> RunPlan:
     """Plan the runs of a comparison: every case from several initial states, and again with each parameter variation.
 
+    An initial state is represented by a copy of the design with rotated gravity (`start_variant`).
+
     Parameters
     ----------
     cases
@@ -233,14 +238,14 @@ def plan_runs(
     assumptions
         Variations of assumed values of the contact model, of the loaded cases only.
     """
-    starts_by_case = {
+    copies_by_case = {
         design: (design,) if design.load.torque else independent_starts(reducer_of(design), starts) for design in cases
     }
     loaded_cases = [design for design in cases if design.load.torque]
-    names = {
-        start: name_run(start, start_index)
-        for case_starts in starts_by_case.values()
-        for start_index, start in enumerate(case_starts)
+    run_names = {
+        design_copy: name_run(design_copy, copy_index)
+        for design_copies in copies_by_case.values()
+        for copy_index, design_copy in enumerate(design_copies)
     }
     for variation, designs in [
         *((variation, cases) for variation in variations),
@@ -248,9 +253,10 @@ def plan_runs(
     ]:
         for design in designs:
             suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
-            for start_index, start in enumerate(starts_by_case[design]):
-                names.setdefault(variation.of(reducer_of(start)), f"{name_run(start, start_index)}-{suffix}")
-    return RunPlan(starts_by_case, variations, assumptions, names, solver)
+            for copy_index, design_copy in enumerate(copies_by_case[design]):
+                varied_design = variation.of(reducer_of(design_copy))
+                run_names.setdefault(varied_design, f"{name_run(design_copy, copy_index)}-{suffix}")
+    return RunPlan(copies_by_case, variations, assumptions, run_names, solver)
 
 
 def name_run(design: Design, start: int = 0) -> str:

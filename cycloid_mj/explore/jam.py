@@ -54,7 +54,7 @@ def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
     A part is preloaded if its largest contact force without a load exceeds `JAM.preload_share` times that under the
     nominal torque. The key "no balance" has the fraction of samples without a static equilibrium. Fractions of 0 are
     omitted. `figures` are the results of the samples by key, shape (samples,) each; without the forces in `PRELOADS`,
-    the result is empty.
+    such as ``preload_n`` and ``tooth_force_n``, the result is empty.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}

@@ -45,14 +45,16 @@ def remove_study(folder: Path, study: str) -> None:
     CycloidError
         The files cannot be removed.
     """
-    rows = folder / rows_file(study)
+    rows_path = folder / rows_file(study)
     try:
-        if rows.exists():
-            with _lock_study(rows, folder, study):
-                rows.unlink()
+        if rows_path.exists():
+            with _lock_study(rows_path, folder, study):
+                rows_path.unlink()
         (folder / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
-        raise CycloidError(f"cannot replace {rows}: {reason(problem)}. Choose another folder with --out") from problem
+        raise CycloidError(
+            f"cannot replace {rows_path}: {reason(problem)}. Choose another folder with --out"
+        ) from problem
 
 
 def create_folder(folder: Path) -> Path:

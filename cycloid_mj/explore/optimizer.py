@@ -155,9 +155,9 @@ def run_search(
 
 def write_best(optimum: Optimum, out: str | Path | None) -> None:
     """Write the best design into the folder `out`, unless it is None; raise DesignError if no point is feasible."""
-    best = dump(optimum.design()).encode()
+    file_content = dump(optimum.design()).encode()
     if out is not None:
-        write_files({Path(out) / BEST: best})
+        write_files({Path(out) / BEST: file_content})
 
 
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
@@ -189,7 +189,7 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point of a problem by CMA-ES, one search for each weighting of two objectives.
+    """Search for the best point of a problem by CMA-ES, with two objectives one search for each weight of the first.
 
     `task` is the problem. The `evaluations` are divided equally among the weights `OptimizerSettings.weights`. The
     first two weights are those of a single objective; their searches start at the design. The other searches start at
@@ -284,8 +284,8 @@ class _PointEvaluator:
         missing_points = [points[index - first_index] for index in missing_indices]
 
         def raise_lost(position: int, cause: str) -> PointResult:
-            pairs = zip(self._task.keys, missing_points[position], strict=True)
-            values = ", ".join(f"{key} = {value}" for key, value in pairs)
+            keys_and_values = zip(self._task.keys, missing_points[position], strict=True)
+            values = ", ".join(f"{key} = {value}" for key, value in keys_and_values)
             raise RunError(
                 f"point {missing_indices[position] + 1} of the search ({values}) could not be evaluated: {cause}. "
                 "Run the same command again with fewer processes, such as --workers 1, to resume"

@@ -123,8 +123,10 @@ class Optimum(Tabular):
         columns = list(zip(*(self.task.costs(self.rows[index]) for index in self.front), strict=True))
 
         def chebyshev_distance(index: int) -> float:
-            pairs = zip(self.task.costs(self.rows[index]), columns, strict=True)
-            return max((cost - min(column)) / ((max(column) - min(column)) or 1.0) for cost, column in pairs)
+            costs_and_columns = zip(self.task.costs(self.rows[index]), columns, strict=True)
+            return max(
+                (cost - min(column)) / ((max(column) - min(column)) or 1.0) for cost, column in costs_and_columns
+            )
 
         return min(self.front, key=chebyshev_distance)
 
@@ -338,14 +340,16 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
         )
         for key, value in optimum.best_figures.items()
     )
-    total = optimum.evaluations
-    rejections = tuple((name, str(count), f"{count / total:.1%}") for name, count in optimum.refused.items())
+    evaluation_count = optimum.evaluations
+    rejections = tuple((name, str(count), f"{count / evaluation_count:.1%}") for name, count in optimum.refused.items())
     tables = [
         Table("best design", ("key", "start", "best"), keys),
         Table("figures", ("figure", "start", "best", "change", "unit"), figures),
     ]
     if rejections:
-        tables.append(Table(f"rejections, of {total} points", ("check or limit", "points", "share"), rejections))
+        tables.append(
+            Table(f"rejections, of {evaluation_count} points", ("check or limit", "points", "share"), rejections)
+        )
     if len(optimum.task.objectives) > 1:
         header = (*optimum.task.keys, *optimum.task.figures)
         front = ({**optimum.values(index), **optimum.figures(index)} for index in optimum.front)

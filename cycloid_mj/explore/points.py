@@ -68,10 +68,10 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
     """
     axes = [parse_axis(key, values) for key, values in vary.items()]
     if open_range := next((axis for axis in axes if not axis.values and not axis.count), None):
-        low, high = f"{open_range.low:g}", f"{open_range.high:g}"
+        low_text, high_text = f"{open_range.low:g}", f"{open_range.high:g}"
         raise UsageError(
-            f"--vary {open_range.key}={low}:{high} does not specify the number of values: add it, e.g. "
-            f"{low}:{high}:5, or sample the range with --sample sobol --points 64"
+            f"--vary {open_range.key}={low_text}:{high_text} does not specify the number of values: add it, e.g. "
+            f"{low_text}:{high_text}:5, or sample the range with --sample sobol --points 64"
         )
     _require_few(math.prod(axis.count or len(axis.values) for axis in axes))
     return Points(tuple(vary), tuple(product(*map(axis_values, axes))))

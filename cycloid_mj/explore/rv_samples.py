@@ -134,12 +134,12 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
     RunError
         A sample has no static equilibrium.
     """
-    torque, rows = reducer.design.rated_torque, []
+    torque, force_rows = reducer.design.rated_torque, []
     for number in range(samples):
         sample = RvReducer(draw_rv_drive(reducer, seed, number)[0])
         loads = solve_rv_equilibrium(sample, torque, angles)
-        rows.append([float(loads.pins.max()), largest_mean_force(loads.bearings), float(loads.flanks.max())])
-    return dict(zip(RATED_FORCES, np.array(rows).T, strict=True))
+        force_rows.append([float(loads.pins.max()), largest_mean_force(loads.bearings), float(loads.flanks.max())])
+    return dict(zip(RATED_FORCES, np.array(force_rows).T, strict=True))
 
 
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
@@ -169,14 +169,14 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
             f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
             "e.g. --set 'crank_tolerance.bore_position=\"uniform 4\"'"
         )
-    nominal, responses = closed_rotation(reducer), dict[str, Array]()
+    nominal_rotation, responses = closed_rotation(reducer), dict[str, Array]()
     deviations, variances = dict[str, Array](), dict[str, float]()
     for key, zone_of_key in zones.items():
         fields = [field for field in ERRORS[key] if field not in PIN_FIELDS]
         responses_of_key = {
             column: response
             for field in fields
-            for column, response in _compute_responses(reducer, field, nominal).items()
+            for column, response in _compute_responses(reducer, field, nominal_rotation).items()
         }
         columns = [column for field in ERRORS[key] for column in _columns_of_field(reducer, field)]
         deviations |= {column: zone_of_key.quantiles(rng.random(samples)) for column in columns}
@@ -188,13 +188,15 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     if "pin_position" in zones:
         variances["pin_position"] = float(np.mean(np.var(pin_rotations, axis=1)))
     linear_deviations = np.array([deviations[column] for column in responses]).reshape(len(responses), samples)
-    linear_responses = np.array(list(responses.values())).reshape(len(responses), nominal.size)
-    values = _transmission_errors(reducer, nominal, linear_responses, linear_deviations, pin_rotations) / ARCSECOND
+    linear_responses = np.array(list(responses.values())).reshape(len(responses), nominal_rotation.size)
+    peak_to_peak_errors = (
+        _transmission_errors(reducer, nominal_rotation, linear_responses, linear_deviations, pin_rotations) / ARCSECOND
+    )
     total_variance = sum(variances.values())
     share_of_key = {key: variance / total_variance if total_variance else 0.0 for key, variance in variances.items()}
-    worst_rows = np.argsort(-values)[:worst]
+    worst_rows = np.argsort(-peak_to_peak_errors)[:worst]
     return RvSamples(
-        values=values,
+        values=peak_to_peak_errors,
         drawn={column: MICROMETRES * deviation for column, deviation in deviations.items()},
         budget=tuple(
             Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key]))
@@ -210,17 +212,19 @@ def _rotations_by_pins(reducer: RvReducer, deviations: Mapping[str, Array], samp
     `deviations` are the errors of all samples [m], shape (samples,), by column; the errors of the nominal reducer are
     added to them. m is the number of angles of a `PinErrorEquilibrium`; it is 0 without errors of pins.
     """
-    nominal = reducer.deviations.pin_displacement
+    nominal_displacements = reducer.deviations.pin_displacement
     columns = [_columns_of_field(reducer, field) for field in PIN_FIELDS]
     if columns[0][0] not in deviations:
-        if not nominal.any():
+        if not nominal_displacements.any():
             return np.zeros((samples, 0))
-        return np.repeat(pin_equilibrium(reducer).rotation(nominal)[np.newaxis], samples, axis=0)
+        return np.repeat(pin_equilibrium(reducer).rotation(nominal_displacements)[np.newaxis], samples, axis=0)
     drawn_displacements = np.stack(
         [np.stack([deviations[name] for name in names], axis=1) for names in columns], axis=2
     )
     equilibrium = pin_equilibrium(reducer)
-    return np.stack([equilibrium.rotation(nominal + displacements) for displacements in drawn_displacements])
+    return np.stack(
+        [equilibrium.rotation(nominal_displacements + displacements) for displacements in drawn_displacements]
+    )
 
 
 def _transmission_errors(

@@ -167,9 +167,13 @@ def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
     `key` is that of the tolerance. The last axis of a position has x and y, that of a profile wave amplitude and phase.
     """
     design = reducer.design
-    pins, discs = design.ring.teeth, design.gear.discs
-    shape_by_key = {"pin_position": (pins, 2), "pin_radius": (pins,), "hole_position": (discs, design.output.pins, 2)}
-    shape_by_key |= {"disc_size": (discs,), "cam_position": (discs, 2)}
+    pin_count, disc_count = design.ring.teeth, design.gear.discs
+    shape_by_key = {
+        "pin_position": (pin_count, 2),
+        "pin_radius": (pin_count,),
+        "hole_position": (disc_count, design.output.pins, 2),
+    }
+    shape_by_key |= {"disc_size": (disc_count,), "cam_position": (disc_count, 2)}
     return (2,) if key.startswith(WAVE) else shape_by_key.get(key, ())
 
 

@@ -121,8 +121,10 @@ def positions_in_ranges(ranges: Sequence[SearchRange], values: Sequence[Value]) 
 
     `values` are those of a point: the real numbers come first, and the values of the choices after them are ignored.
     """
-    pairs = zip(ranges, values, strict=False)
-    positions = [(float(value) - key_range.low) / (key_range.high - key_range.low) for key_range, value in pairs]
+    ranges_and_values = zip(ranges, values, strict=False)
+    positions = [
+        (float(value) - key_range.low) / (key_range.high - key_range.low) for key_range, value in ranges_and_values
+    ]
     return np.clip(positions, 0.0, 1.0)
 
 

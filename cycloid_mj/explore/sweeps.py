@@ -63,8 +63,8 @@ class Sweep(Tabular):
         """Number of points and of failures, varied keys, and the first quantities."""
         finished = f"{len(self.points)}" if self.complete else f"{len(self.rows)} of {len(self.points)}"
         failed = f", {self.failed} failed" if self.failed else ""
-        varied, measured = ", ".join(self.task.keys), ", ".join(self.quantities[:4])
-        return f"{self.task.reducer.design.name}, {finished} points of {varied}{failed}; {measured}"
+        key_text, quantity_text = ", ".join(self.task.keys), ", ".join(self.quantities[:4])
+        return f"{self.task.reducer.design.name}, {finished} points of {key_text}{failed}; {quantity_text}"
 
     @property
     def failed(self) -> int:
@@ -242,7 +242,7 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
         next_write = monotonic() + SECONDS_BETWEEN_TABLES
 
         def record(index: int, row: PointResult) -> None:
-            """Add a result, by the `index` of its point, to the journal; rewrite the table if it is time for that."""
+            """Add a result, by the `index` of its point, to the journal; rewrite the table after `next_write`."""
             nonlocal next_write
             # assumptions hardly differ between rows: those of the first are enough
             has_assumptions = any(known_row.assumptions for known_row in journal.rows.values())

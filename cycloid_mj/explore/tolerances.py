@@ -144,16 +144,16 @@ class Tolerances(Tabular):
         units = {key: unit for key in self.figures if (unit := figure(key).unit) != "1"} | dict.fromkeys(
             self.drawn, "um"
         )
-        number, jams = np.arange(1, self.samples + 1), self.jams.astype(int)
-        return Frame({"sample": number, **self.drawn, **self.figures, "jams": jams}, units)
+        sample_numbers, jams = np.arange(1, self.samples + 1), self.jams.astype(int)
+        return Frame({"sample": sample_numbers, **self.drawn, **self.figures, "jams": jams}, units)
 
     @property
     def line(self) -> str:
         """Design, share of good samples, and mean and standard deviation of the quantity of the budget."""
         unit = figure(self.budget_of).unit
         values = self.figures[self.budget_of][~self.jams]
-        spread = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
-        return f"{self.design}, {self.samples_text}; yield {self.good.mean():.2%}, {self.budget_of} {spread}"
+        spread_text = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
+        return f"{self.design}, {self.samples_text}; yield {self.good.mean():.2%}, {self.budget_of} {spread_text}"
 
     @property
     def yield_interval(self) -> tuple[float, float]:
@@ -215,14 +215,16 @@ class Tolerances(Tabular):
         failed_checks = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
-        pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in compute_preload_shares(self.figures).items())
+        preloaded_text = ", ".join(
+            f"{pair} in {share:.2%}" for pair, share in compute_preload_shares(self.figures).items()
+        )
         closed_form = (rv_samples.FIGURE,)
         computed_alone = [key for key in self.figures if figure(key).sampled is None and key not in closed_form]
         usable_count = int(np.sum(~self.jams))
         return (
             *([] if usable_count > 1 else [f"no distributions: {usable_count} of {self.samples} samples do not jam"]),
             *self._budget_notes(),
-            *([f"pressed without a load: {pairs}"] if pairs else []),
+            *([f"pressed without a load: {preloaded_text}"] if preloaded_text else []),
             *(
                 [f"{', '.join(computed_alone)}: computed for each sample at the design's load"]
                 if computed_alone

@@ -54,10 +54,11 @@ ANGLES_PER_TOOTH = 8
 
 
 def _compute_rv_statics(reducer: Reducer) -> dict[str, float]:
-    """Compute ``te_loaded_forward_arcsec`` and the largest forces [N] of an RV reducer by statics with friction.
+    """Compute the peak-to-peak transmission error [arcsec] and the largest forces [N] of an RV reducer by statics.
 
-    The keys of the forces are those of `_RV_FORCES`. The crank angles are those of the turn of the cranks that a run
-    covers. Over a turn of the carrier, errors of bores and carrier cause larger forces.
+    The keys are ``te_loaded_forward_arcsec`` and, for the forces on a pin and of a crank, those of `_RV_FORCES`.
+    Friction is included. The crank angles are those of the turn of the cranks that a run covers. Over a turn of the
+    carrier, errors of bores and carrier cause larger forces.
     """
     assert isinstance(reducer, RvReducer)
     count = ANGLES_PER_TOOTH * reducer.design.ring.teeth
@@ -117,10 +118,10 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 
 
 def _simulate_quantities(reducer: Reducer, solver: Solver) -> dict[str, float]:
-    """Simulate a crank turn at nominal torque and the design's speed; return quantities by the keys in `COMPARED`.
+    """Simulate a crank turn at nominal torque and the design's speed; return the quantities in `COMPARED` by key.
 
-    These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N]. `solver`
-    is "planar" or "mujoco".
+    These are the peak-to-peak transmission error, such as ``te_loaded_arcsec``, and the largest force of each kind of
+    contact, such as ``tooth_force_n``. `solver` is "planar" or "mujoco".
     """
     design = reducer.design
     loaded_reducer = steady_design(reducer).but(load={"torque": design.rated_torque})
