@@ -96,8 +96,8 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
     """Return a table with named columns, `COLUMNS`, of the quantities of simulated designs.
 
-    There is a row for each load, design and quantity with a value. Its mean, least and largest value are those over the
-    independent starts of the design under this load, a `Trial`.
+    There is a row for each trial and quantity with a value. A `Trial` has all runs of a design under a load, which
+    start from different initial states; the row has the mean, least and largest value of these runs.
     """
     rows: list[dict[str, Cell]] = [
         {

@@ -198,14 +198,15 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 
 
 def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
-    """Return design variants with other friction of the rolling bearings, or with plain bearings instead of them.
+    """Return design variants with each coefficient `FRICTION_TABLE.rolling` of a rolling bearing, or a plain bearing.
 
-    Cam or output bearings that slide in the design have no variants.
+    Cam or output bearings that slide in the design have no variants. The bearings of an RV reducer remain rolling.
     """
     variants, pins = [], pins_of(reducer)
     if isinstance(reducer, RvReducer):
         rolling_designs = {
-            value: reducer.but(friction={"cam_rolling": value}).design for value in FRICTION_TABLE.rolling
+            coefficient: reducer.but(friction={"cam_rolling": coefficient}).design
+            for coefficient in FRICTION_TABLE.rolling
         }
         return [FrictionVariant(pins, f"{CRANK_BEARING}, rolling", *row) for row in rolling_designs.items()]
     plain_changes: dict[str, dict[str, Any]] = {
@@ -213,9 +214,9 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
         "output": {"output": {"rollers": False}},
     }
     for pair in [pair for pair in plain_changes if pair not in sliding_pairs(reducer)]:
-        for value in FRICTION_TABLE.rolling:
-            rolling_reducer = reducer.but(friction={f"{pair}_rolling": value})
-            variants.append(FrictionVariant(pins, f"{pair}, rolling", value, rolling_reducer.design))
+        for coefficient in FRICTION_TABLE.rolling:
+            rolling_reducer = reducer.but(friction={f"{pair}_rolling": coefficient})
+            variants.append(FrictionVariant(pins, f"{pair}, rolling", coefficient, rolling_reducer.design))
         sliding_reducer = reducer.but(**plain_changes[pair])
         variants.append(
             FrictionVariant(pins, f"{pair}, sliding", sliding_reducer.design.friction_of(pair), sliding_reducer.design)

@@ -368,12 +368,12 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 
 
 def _error_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission errors of disc and output [arcsec], unloaded and loaded, in both directions.
+    """Yield the peak-to-peak and rms transmission errors of disc and output [arcsec], unloaded and loaded.
 
-    They include friction. Two differences of mean angles follow [arcsec]: the reversal error, between forward and
-    reverse motion without load, and the wind-up, between load and no load in forward motion. A reducer with a central
-    crank also has the relative inertia torque of a load that follows the error. `load` is the torque on the output [N
-    m].
+    They are computed in both directions, with friction. Two differences of mean angles follow [arcsec]: the reversal
+    error, between forward and reverse motion without load, and the wind-up, between load and no load in forward motion.
+    A reducer with a central crank also has the rms inertia torque of an output that follows the error, relative to
+    `load` (`inertia_share`). `load` is the torque on the output [N m].
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:

@@ -64,9 +64,10 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness matrix of a part; return a function of the crank angles that solves for displacements.
+    """Factorise the stiffness matrix of a part; return it with a function that solves for the displacements.
 
-    The result (`LoadCase`) has this function and the narrow contact patches. `grid` is the finite-element mesh of the
+    The function takes indices of the crank angles of `loads`. The result (`LoadCase`) also has the narrow contact
+    patches: Hertz's strips, without conformal contacts and rows of rollers. `grid` is the finite-element mesh of the
     part. The loads at a crank angle are contact pressure, weight and inertia. The load torque of the output acts at its
     hub, where the supports carry it. Loads on a part without supports are in equilibrium with its acceleration
     (d'Alembert).
@@ -79,18 +80,19 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     mass_accelerations, mass_imbalance = elastic.solve_accelerations(body, unit_mass_loads)
     imbalance += mass_factors.T @ mass_imbalance
     # both are spread over the mass: one dense product at each angle, and few forces of contacts
-    mass_fields, mass_factors = (
+    unit_nodal_forces, force_factors = (
         np.hstack([unit_mass_loads, body.carried]),
         np.vstack([mass_factors, -contact_accelerations - mass_accelerations @ mass_factors]),
     )
 
-    def solve_response(angles: Integers) -> Response:
-        """Solve for the response to the loads at the angles with the indices `angles`, shape (c,)."""
-        forces, contact_entries = mass_fields @ mass_factors[:, angles], contact_loads[:, angles].tocoo()
+    def solve_response(angle_indices: Integers) -> Response:
+        """Solve for the response to the loads at the angles with these indices, shape (c,)."""
+        contact_entries = contact_loads[:, angle_indices].tocoo()
+        forces = unit_nodal_forces @ force_factors[:, angle_indices]
         forces[contact_entries.row, contact_entries.col] += contact_entries.data
         displacement = elastic.displacements(body, forces)
         reaction = elastic.reactions(body, displacement, forces)
-        return Response(forces, displacement, imbalance[angles], reaction, np.zeros((len(angles), 0, 3)))
+        return Response(forces, displacement, imbalance[angle_indices], reaction, np.zeros((len(angle_indices), 0, 3)))
 
     return LoadCase(body, solve_response, len(loads.angle), contact_patches.angle, contact_patches.points)
 
