@@ -1,10 +1,12 @@
 """Drives for a requirement: the answer of the search with its figures, reasons and remedies."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from cycloid_mj.figures import figure
 from cycloid_mj.life.rated import rated_and_momentary_torque
+from cycloid_mj.life.sheet_rows import backlash_with_bearings
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.reasons import reasons_of
@@ -102,6 +104,9 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
     figures = _drive_quantities(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
         why += f"; the screws are outside of the ring: diameter with covers {figures['drive_diameter_mm']:.3g} mm"
+    if solution.pool.requirement.backlash < math.inf:
+        for row in backlash_with_bearings(reducer):
+            why += f"; the play of needle bearings and rollers increases the backlash to {row.value:.3g} arcmin"
     reasons = dict(reasons_of(solution.pool.requirement, reducer, rated.weakest.name))
     return SizedDrive(title, why, reducer.design, figures, reasons)
 

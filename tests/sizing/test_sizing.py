@@ -27,6 +27,7 @@ from cycloid_mj.life.estimate import Estimate, add_capacity, capacity
 from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import rated_and_momentary_torque
+from cycloid_mj.life.sheet_rows import backlash_with_bearings
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
@@ -189,6 +190,11 @@ def test_length_and_backlash_are_kept() -> None:
     tight = size_drive(SMALL.but(torque=4.0, backlash=5.0))
     assert tight.drives
     assert all(drive.figures["backlash_arcmin"] <= 5.0 for drive in tight.drives)
+    for drive in tight.drives:
+        stated = re.search(r"play of needle bearings and rollers increases the backlash to ([\d.]+) arcmin", drive.why)
+        rows = list(backlash_with_bearings(Reducer(drive.design)))
+        assert bool(stated) == bool(rows)
+        assert not rows or float(stated[1]) == pytest.approx(rows[0].value, rel=5e-3)
     too_tight = size_drive(SMALL.but(torque=4.0, backlash=0.1))
     assert not too_tight.drives
     assert "backlash" in too_tight.refusal
