@@ -77,8 +77,8 @@ class FilmRows:
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
     """Return the friction table of lubricated contacts, and for each mating pair its row there and its ring pin.
 
-    The table is `film_table` with friction coefficients [1]. The index of the pin is 0 for pairs without a ring pin or
-    lobe. The result is None with the law ``coulomb`` of constant coefficients.
+    The table is `film_table` with friction coefficients [1]. The pins are counted from 0; the index is 0 for pairs
+    without a ring pin or lobe, too. The result is None with the law ``coulomb`` of constant coefficients.
     """
     design = reducer.design
     if not design.has_film:

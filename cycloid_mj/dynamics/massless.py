@@ -31,7 +31,7 @@ def assumptions(reducer: Reducer, what: str) -> tuple[str, ...]:
 
 
 def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
-    """Raise an error if a design has massless pins, for which the results named `unsupported` are not valid.
+    """Raise an error if a design has massless pins, for which `unsupported` results ("vibration") are invalid.
 
     Raises
     ------

@@ -94,8 +94,8 @@ def model_warnings(reducer: Reducer, model: Compiled) -> tuple[str, ...]:
 def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     """Return the warnings that apply even if motion is so slow that neither time step nor mass matters.
 
-    They are about bent output pins, pins that two discs press, clearances of the `kinds` of pairs, and friction
-    coefficients without effect.
+    They are about bent output pins, pins that two discs press, clearances of the `kinds` of pairs, such as ``cam``, and
+    friction coefficients without effect.
     """
     has_output_pins = not isinstance(reducer, RvReducer)
     return (

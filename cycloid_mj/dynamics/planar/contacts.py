@@ -225,9 +225,9 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
 
-    `system` is the reducer as arrays. `mating` is the pair of bore and cam, (`cam_x`, `cam_y`) [m] is the centre of the
-    cam, `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and
-    `half_step` is half of the time step [s].
+    `system` is the reducer as arrays, with the ratio of the cage. `mating` is the pair of bore and cam, (`cam_x`,
+    `cam_y`) [m] is the centre of the cam, `q` and `v` are the coordinates of all bodies and their speeds, shape
+    (unknowns,) [m, rad, m/s, rad/s], and `half_step` is half of the time step [s].
     """
     dx, dy, clearance = cam_x - q[mating.disc], cam_y - q[mating.disc + 1], system.bore - system.cam
     disc_rotation = q[mating.disc + 2]

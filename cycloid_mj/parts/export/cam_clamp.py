@@ -161,15 +161,19 @@ def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossH
     They are counterbore, clearance hole and core of thread.
     """
     design, thread = reducer.design, clamp.bolt.thread
-    core, hole, half_slot = 0.5 * stock.thread_core(thread), 0.5 * stock.bolt_hole(thread), 0.5 * CLAMP.slot
+    core_radius, hole_radius, half_slot = (
+        0.5 * stock.thread_core(thread),
+        0.5 * stock.bolt_hole(thread),
+        0.5 * CLAMP.slot,
+    )
     length_outwards = 2.0 * cam_radius(reducer) - clamp.head_face  # beyond the outside of the cam
     for number, (plane, phase) in enumerate(zip(design.gear.disc_planes, reducer.phases, strict=True), start=1):
         name, y = names.numbered_name(names.CAM, number), clamp.distance * math.cos(phase)
         for height in clamp.heights(design.gear.face_width):
             head_point, slot_point = (clamp.head_face, y, plane + height), (-half_slot, y, plane + height)
             yield name, CrossHole(head_point, (1.0, 0.0, 0.0), counterbore(clamp.bolt), length_outwards)
-            yield name, CrossHole(head_point, (-1.0, 0.0, 0.0), hole, clamp.head_face)
-            yield name, CrossHole(slot_point, (-1.0, 0.0, 0.0), core, clamp.thread_depth)
+            yield name, CrossHole(head_point, (-1.0, 0.0, 0.0), hole_radius, clamp.head_face)
+            yield name, CrossHole(slot_point, (-1.0, 0.0, 0.0), core_radius, clamp.thread_depth)
 
 
 def _describe_clamp_problem(reducer: Reducer) -> str:
@@ -195,15 +199,15 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
 
     `bolt` is the size of the screw in stock.
     """
-    design, radius, wall = reducer.design, cam_radius(reducer), RULES.min_wall
-    gear, shaft, head_radius = design.gear, design.shaft.radius, counterbore(bolt)
-    hinge = radius - gear.eccentricity - shaft
+    design, outer_radius, wall = reducer.design, cam_radius(reducer), RULES.min_wall
+    gear, shaft_radius, head_radius = design.gear, design.shaft.radius, counterbore(bolt)
+    hinge_wall = outer_radius - gear.eccentricity - shaft_radius
     count = min(int((gear.face_width - wall) / (2.0 * head_radius + wall) + 1e-9), CLAMP.max_screws)
-    if count < 1 or hinge < wall:
+    if count < 1 or hinge_wall < wall:
         return None
-    distance = shaft + 0.5 * stock.bolt_hole(bolt.thread) + wall
-    clear_of_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head_radius, 0.0) ** 2, 0.0))
-    head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), clear_of_shaft)
+    distance = shaft_radius + 0.5 * stock.bolt_hole(bolt.thread) + wall
+    min_head_face = math.sqrt(max((shaft_radius + wall) ** 2 - max(distance - head_radius, 0.0) ** 2, 0.0))
+    head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), min_head_face)
     min_length = head_face + 0.5 * CLAMP.slot + RULES.engagement * bolt.thread
     length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
@@ -211,10 +215,10 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     outward_distance = distance - gear.eccentricity
     head_corner = math.hypot(abs(outward_distance) + 0.5 * bolt.head, head_face + bolt.head_height)
     tip_corner = math.hypot(abs(outward_distance) + 0.5 * bolt.thread, length - head_face + wall)
-    if head_corner > radius - wall or tip_corner > radius - wall:
+    if head_corner > outer_radius - wall or tip_corner > outer_radius - wall:
         return None
-    lever_arm, modulus = shaft + 0.5 * hinge, design.material_of(names.SHAFT).youngs_modulus
-    hub = SlottedHub(2.0 * shaft, distance + lever_arm, lever_arm, hinge, gear.face_width, modulus)
+    lever_arm, modulus = shaft_radius + 0.5 * hinge_wall, design.material_of(names.SHAFT).youngs_modulus
+    hub = SlottedHub(2.0 * shaft_radius, distance + lever_arm, lever_arm, hinge_wall, gear.face_width, modulus)
     return CamClamp(bolt, length, count, distance, head_face, hub)
 
 

@@ -54,21 +54,22 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
     ring, housing = design.ring, design.housing
     head_wall = wall if is_plastic(reducer) else max(0.5 * wall - RULES.head_play, 0.5 * RULES.min_wall)
     for bolt in _stock_bolts(housing.outer_radius, is_plastic(reducer)):
-        hole, head_radius = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
+        hole_radius, head_radius = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
-            outside_margin = max(hole + wall, head_radius + head_wall)
+            outside_margin = max(hole_radius + wall, head_radius + head_wall)
             does_fit = (
-                circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside_margin
+                circle - design.ring_root_radius >= hole_radius + wall
+                and housing.outer_radius - circle >= outside_margin
             )
         else:
-            circle, angles = housing.outer_radius - max(hole, head_radius) - head_wall, _land_angles(ring.teeth)
+            circle, angles = housing.outer_radius - max(hole_radius, head_radius) - head_wall, _land_angles(ring.teeth)
             pin_and_screw = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
             does_fit = (
                 ring.kind == "pin"
-                and math.dist(*pin_and_screw.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
-                and circle - hole - wall >= wall_radius(design)
+                and math.dist(*pin_and_screw.tolist()) >= ring.pin_radius + design.socket_play + hole_radius + wall
+                and circle - hole_radius - wall >= wall_radius(design)
             )
         if does_fit and stock.bolt_length(bolt.thread, _min_cover_screw_length(bolt, wall, design.gear.stack_width)):
             return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
@@ -81,8 +82,8 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
 def _stock_bolts(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
     """Yield the screws in stock, the thickest for a cover radius [m] first; if `inserted`, only those with inserts."""
     thickest = thickest_bolt(RULES.thread_share * radius, inserted=inserted)
-    usable = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
-    yield from (bolt for bolt in usable if bolt.thread <= thickest.thread)
+    usable_bolts = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
+    yield from (bolt for bolt in usable_bolts if bolt.thread <= thickest.thread)
 
 
 def _land_angles(teeth: int) -> tuple[float, ...]:
@@ -107,8 +108,8 @@ def _screws_of_length(
 def _thickest_dowel(max_diameter: float, max_length: float) -> stock.Dowel | None:
     """Return the thickest dowel in stock up to a diameter and a length [m]; None without one."""
     sizes = [size for size in reversed(stock.dowel_diameters()) if size <= max_diameter]
-    pins = [stock_pins[0] for size in sizes if (stock_pins := stock.pins(size, 2.0 * size))]
-    return next((candidate for candidate in pins if candidate.length <= max_length), None)
+    dowels = [stock_pins[0] for size in sizes if (stock_pins := stock.pins(size, 2.0 * size))]
+    return next((candidate for candidate in dowels if candidate.length <= max_length), None)
 
 
 def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...], float]:
@@ -120,23 +121,23 @@ def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.
     """
     design = reducer.design
     thread, ring_wall = screws.bolt.thread, design.housing.outer_radius - design.ring_root_radius - 2.0 * wall
-    pin = _thickest_dowel(min(thread, ring_wall) if screws.outside else thread, design.gear.stack_width - wall)
-    if not pin and screws.outside:
-        pin = _thickest_dowel(thread, 2.0 * thread)
+    dowel = _thickest_dowel(min(thread, ring_wall) if screws.outside else thread, design.gear.stack_width - wall)
+    if not dowel and screws.outside:
+        dowel = _thickest_dowel(thread, 2.0 * thread)
         half_pitch = math.pi / len(screws.angles)
-        return pin, (half_pitch, half_pitch + math.pi), screws.circle
-    if not pin:
+        return dowel, (half_pitch, half_pitch + math.pi), screws.circle
+    if not dowel:
         return None, (), 0.0
     if screws.outside or design.housing.support == "bolts":
         half_pitch = math.pi / len(screws.angles)
         angles = half_pitch, half_pitch + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles)
         mid_radius = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
-        return pin, angles, mid_radius if screws.outside else screws.circle
+        return dowel, angles, mid_radius if screws.outside else screws.circle
     teeth = design.ring.teeth
-    free_walls = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
-    opposite_wall = min(free_walls[1:], key=lambda wall_index: abs(wall_index - free_walls[0] - 0.5 * teeth))
+    free_lands = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
+    opposite_land = min(free_lands[1:], key=lambda land: abs(land - free_lands[0] - 0.5 * teeth))
     return (
-        pin,
-        tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free_walls[0], opposite_wall)),
+        dowel,
+        tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free_lands[0], opposite_land)),
         screws.circle,
     )

@@ -98,15 +98,17 @@ def _crank_rings(reducer: Reducer, casing: Casing, segments: Mapping[str, Segmen
     `segments` are the segments of the crank by name.
     """
     shaft = reducer.design.shaft
-    radius = min(shoulder_radius(shaft.radius, casing.seat), casing.crank_end.max_collar - casing.play)
+    near_radius = min(shoulder_radius(shaft.radius, casing.seat), casing.crank_end.max_collar - casing.play)
     if COUNTERWEIGHT not in segments:
-        radius = min(radius, hub_radius(reducer, casing))
+        near_radius = min(near_radius, hub_radius(reducer, casing))
     cams = [segment for name, segment in segments.items() if names.family(name) == names.CAM]
     ring_end = segments[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in segments else cams[0].z0
     gap = casing.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
-    min_radius, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, casing))
-    if radius >= min_radius:
-        yield CrankRing(names.numbered_name(names.CRANK_RING, 1), radius, casing.near[1] + gap, ring_end, shaft.radius)
-    if casing.far and max_radius >= min_radius:
+    min_radius, far_radius = shaft.radius + RULES.min_wall, min(near_radius, hub_radius(reducer, casing))
+    if near_radius >= min_radius:
+        yield CrankRing(
+            names.numbered_name(names.CRANK_RING, 1), near_radius, casing.near[1] + gap, ring_end, shaft.radius
+        )
+    if casing.far and far_radius >= min_radius:
         ends = cams[-1].z1, casing.far[0] - casing.play
-        yield CrankRing(names.numbered_name(names.CRANK_RING, 2), max_radius, *ends, shaft.radius)
+        yield CrankRing(names.numbered_name(names.CRANK_RING, 2), far_radius, *ends, shaft.radius)

@@ -40,8 +40,8 @@ def drive_mass(reducer: Reducer) -> float:
 def assembly_mass(reducer: Reducer, casing: Casing) -> float:
     """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
     parts = assembly_parts(reducer, casing)
-    mass = {name: filling(name) * part.mass(EXPORT_CHORD_ERROR) for name, part in parts.items()}
-    return sum(mass[placement.part] for placement in place_parts(reducer, 0.0, casing))
+    mass_by_part = {name: filling(name) * part.mass(EXPORT_CHORD_ERROR) for name, part in parts.items()}
+    return sum(mass_by_part[placement.part] for placement in place_parts(reducer, 0.0, casing))
 
 
 def filling(part: str) -> float:
@@ -62,11 +62,11 @@ def casing_inertia(reducer: Reducer) -> float:
     mechanism, drive = (
         manufactured_parts(reducer, EXPORT_CHORD_ERROR, casing=variant) for variant in (None, casing(reducer))
     )
-    output_side, shaft_side = (
+    output_inertia, shaft_inertia = (
         sum(_inertia(drive.get(name)) - _inertia(mechanism.get(name)) for name in bodies)
         for bodies in (TURNING[reducer.mechanism.turning], (names.SHAFT,))
     )
-    return shaft_side + output_side / reducer.design.reduction**2
+    return shaft_inertia + output_inertia / reducer.design.reduction**2
 
 
 def drive_length(reducer: Reducer) -> float:

@@ -154,15 +154,15 @@ def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> byte
     with fixed_metadata(ezdxf):
         document = ezdxf.new(_FORMAT, setup=False)
         document.units = ezdxf.units.MM
-        space = document.modelspace()
+        model_space = document.modelspace()
         for name, shapes in layers:
             if name not in document.layers:
                 document.layers.add(name)
             for shape in shapes:
-                _add_entity(space, shape, {"layer": name})
-        text = io.StringIO()
-        document.write(text)
-    return text.getvalue().encode()
+                _add_entity(model_space, shape, {"layer": name})
+        stream = io.StringIO()
+        document.write(stream)
+    return stream.getvalue().encode()
 
 
 def _add_entity(space: Any, curve: Curve | Array, attributes: dict[str, str]) -> None:

@@ -102,12 +102,12 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
                     neighbour for neighbour in part.segments if neighbour is not segment and _touches(neighbour, z)
                 ]
                 edge = _Edge(circle.centre, circle.radius, side, segment, adjacent_segments)
-                fillet = reducer.design.shaft.shoulder_fillet
-                chamfer = min(EDGES.chamfer, EDGES.share * circle.radius)
-                if edge.is_convex(chamfer):
-                    yield BrokenEdge(circle.centre, circle.radius, z, chamfer)
-                elif part.name == names.SHAFT and side > 0.0 and edge.is_shoulder(fillet):
-                    yield BrokenEdge(circle.centre, circle.radius, z, fillet, is_fillet=True)
+                fillet_size = reducer.design.shaft.shoulder_fillet
+                chamfer_size = min(EDGES.chamfer, EDGES.share * circle.radius)
+                if edge.is_convex(chamfer_size):
+                    yield BrokenEdge(circle.centre, circle.radius, z, chamfer_size)
+                elif part.name == names.SHAFT and side > 0.0 and edge.is_shoulder(fillet_size):
+                    yield BrokenEdge(circle.centre, circle.radius, z, fillet_size, is_fillet=True)
 
 
 def _touches(segment: Segment, z: float) -> bool:

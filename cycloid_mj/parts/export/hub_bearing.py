@@ -103,18 +103,19 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":
         retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
-        fitting = [
+        fitting_bearings = [
             (retainer.cover_radius <= max_radius + wall, bearing)
             for bearing, retainer in retainers
             if retainer and retainer.cover_radius <= max_radius + 2.0 * wall
         ]
-        return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
-    pairs = {
+        # the sort is stable: it keeps the order of sizes
+        return tuple(bearing for _, bearing in sorted(fitting_bearings, key=itemgetter(0)))
+    bearings_by_kind = {
         "deep_groove": stock.thin_ball_bearings,
         "angular_contact": stock.angular_contact_bearings,
         "tapered": stock.tapered_bearings,
     }
-    return pairs[kind]()
+    return bearings_by_kind[kind]()
 
 
 def has_both_seats(reducer: Reducer) -> bool:

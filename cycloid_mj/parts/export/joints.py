@@ -386,10 +386,10 @@ def _motor_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
     name, parts = "screws of the motor", (MOTOR, names.MOTOR_COVER)
     if not motor.tapped:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
-        thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
+        thread_hole = (centres, core_radius(reducer, motor.thread), face, face + depth)
         inserts = tuple(_bought_inserts(reducer, names.MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
         threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, motor.thread, depth),)
-        return Joint(name, JointKind.SCREWED, parts, ((names.MOTOR_COVER, thread),), inserts, threads=threads)
+        return Joint(name, JointKind.SCREWED, parts, ((names.MOTOR_COVER, thread_hole),), inserts, threads=threads)
     head_face = face + motor_grip(motor, casing.wall)
     holes: tuple[Hole, ...] = (
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, head_face),
@@ -410,33 +410,37 @@ def _ring_seat_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
         return
     radius = reducer.design.housing.outer_radius
     has_play = not casing.has_free_ring or is_printed(reducer, names.HOUSING)
-    seat = (AXIS, radius + (SEAT_PLAY if has_play else 0.0), -casing.end, casing.end - casing.play)
-    name, parts, holes = "ring in the motor cover", (names.HOUSING, names.MOTOR_COVER), ((names.MOTOR_COVER, seat),)
+    seat_hole = (AXIS, radius + (SEAT_PLAY if has_play else 0.0), -casing.end, casing.end - casing.play)
+    name, parts, holes = (
+        "ring in the motor cover",
+        (names.HOUSING, names.MOTOR_COVER),
+        ((names.MOTOR_COVER, seat_hole),),
+    )
     if is_printed(reducer, names.HOUSING):
         yield Joint(name, JointKind.LOCATED, parts, holes)
         return
-    fit, size = LOOSE_RING_FIT if has_play else RING_FIT, (1, 2.0 * radius, 2.0 * casing.end - casing.play)
-    yield Joint(name, JointKind.LOCATED, parts, holes, (), fit, *size)
+    fit, seat_sizes = LOOSE_RING_FIT if has_play else RING_FIT, (1, 2.0 * radius, 2.0 * casing.end - casing.play)
+    yield Joint(name, JointKind.LOCATED, parts, holes, (), fit, *seat_sizes)
 
 
 def _flange_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
-    bolt, top, flange_end = casing.flange_bolt, casing.top, casing.top + casing.flange_thickness
+    bolt, hub_end, flange_end = casing.flange_bolt, casing.top, casing.top + casing.flange_thickness
     length, depth = (
         flange_screw_length(bolt, casing.flange_thickness),
         flange_screw_depth(reducer, bolt, casing.flange_thickness),
     )
     centres, head_face = flange_centres(casing)[::2], flange_end - bolt.head_height
-    bore, washer = flange_washer(reducer, bolt)
+    counterbore_radius, washer_thickness = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
-        (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
-        (names.FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, head_face - washer)),
-        (names.FLANGE, (centres, bore, head_face - washer, flange_end)),
+        (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), hub_end - depth, hub_end)),
+        (names.FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), hub_end, head_face - washer_thickness)),
+        (names.FLANGE, (centres, counterbore_radius, head_face - washer_thickness, flange_end)),
     )
     bought_parts = (
         _bought_screws(names.FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
-        *(_bought_washers(bolt, centres, head_face) if washer else ()),
-        *_bought_inserts(reducer, names.FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
+        *(_bought_washers(bolt, centres, head_face) if washer_thickness else ()),
+        *_bought_inserts(reducer, names.FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, hub_end, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, names.FLANGE)
@@ -449,19 +453,22 @@ def _hub_bore_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     The bore saves mass, and centres a load or continues a hollow shaft.
     Yields nothing for a solid shaft if screws and dowels leave no room for it.
     """
-    design, top, wall = reducer.design, casing.top, casing.wall
-    bottom = max(casing.hub_floor, casing.far[1] + RULES.collar if casing.far else 0.0) + 2.0 * wall
-    bore, holes = design.shaft.bore_radius, []
-    if min(casing.flange_bore, top - bottom) > 2.0 * wall:
+    design, hub_end, wall = reducer.design, casing.top, casing.wall
+    bore_start = max(casing.hub_floor, casing.far[1] + RULES.collar if casing.far else 0.0) + 2.0 * wall
+    shaft_bore, holes = design.shaft.bore_radius, []
+    if min(casing.flange_bore, hub_end - bore_start) > 2.0 * wall:
         holes = [
-            (names.OUTPUT, (AXIS, casing.hub_bore, bottom, top)),
-            (names.FLANGE, (AXIS, casing.flange_bore, top, top + casing.flange_thickness)),
+            (names.OUTPUT, (AXIS, casing.hub_bore, bore_start, hub_end)),
+            (names.FLANGE, (AXIS, casing.flange_bore, hub_end, hub_end + casing.flange_thickness)),
         ]
-    elif bore:
-        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (names.FLANGE, (AXIS, bore, top, casing.ends[1]))]
-    if bore:
+    elif shaft_bore:
+        holes = [
+            (names.OUTPUT, (AXIS, shaft_bore, bore_start, hub_end)),
+            (names.FLANGE, (AXIS, shaft_bore, hub_end, casing.ends[1])),
+        ]
+    if shaft_bore:
         start = casing.far[1] + RULES.collar if casing.far else design.gear.stack_width / 2.0 + AXIAL_GAP
-        holes.append((names.OUTPUT, (AXIS, bore, start, bottom)))
+        holes.append((names.OUTPUT, (AXIS, shaft_bore, start, bore_start)))
     if holes:
         yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, names.FLANGE), tuple(holes))
 
@@ -472,14 +479,14 @@ def _load_thread_joint(reducer: Reducer, casing: Casing) -> Joint:
     They are on the circle of the flange's own screws, each midway between two of these.
     """
     bolt, centres, end = casing.flange_bolt, flange_centres(casing)[1::2], casing.top + casing.flange_thickness
-    thread = (centres, core_radius(reducer, bolt.thread), casing.top, end)
+    thread_hole = (centres, core_radius(reducer, bolt.thread), casing.top, end)
     inserts = tuple(_bought_inserts(reducer, names.LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
     threads = (_tapped_holes(reducer, names.FLANGE, centres, bolt.thread, end - casing.top),)
     return Joint(
         "threads for the load",
         JointKind.SCREWED,
         (names.FLANGE, LOAD),
-        ((names.FLANGE, thread),),
+        ((names.FLANGE, thread_hole),),
         inserts,
         threads=threads,
     )

@@ -80,24 +80,26 @@ def _describe_misfits(
     `outer`, `seat` and `max_cavity` are the radii of the cover, of the seat of the shaft bearing, and of the largest
     cavity for the heads of screws from within [m]; `wall` is the minimum wall [m].
     """
-    problems, crank = [], reducer.design.shaft.radius
-    hole = counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
+    problems, crank_radius = [], reducer.design.shaft.radius
+    hole_radius = counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
     if reducer.design.shaft.bore_radius and (flange.shaft or flange in MOTORS.values()):
         problems.append(f"it closes the through bore of the crank: {COAXIAL_REMEDY}")
     if reducer.design.shaft.retaining_rings and flange.tapped:
         problems.append("it hides the retaining ring of the crank, which is put on after the cover")
     needed_radius, available_radius = (
-        (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole + wall, outer)
+        (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole_radius + wall, outer)
     )
     if needed_radius > available_radius:
         subject = "its screw heads need" if flange.tapped else "it needs a cover with"
         sizes = f"{1e3 * needed_radius:.4g} mm, but only {1e3 * available_radius:.4g} mm"
         problems.append(f"{subject} a radius of {sizes} is available")
-    if flange.circle - hole - wall < seat:
-        sizes = f"{2e3 * (flange.circle - hole - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
+    if flange.circle - hole_radius - wall < seat:
+        sizes = f"{2e3 * (flange.circle - hole_radius - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
         problems.append(f"it needs a shaft bearing with an outside diameter of at most {sizes}")
-    if flange.shaft > crank - 2.0 * wall:
-        sizes = f"{2e3 * (flange.shaft + 2.0 * wall):.4g} mm around the motor shaft, but it has {2e3 * crank:.4g} mm"
+    if flange.shaft > crank_radius - 2.0 * wall:
+        sizes = (
+            f"{2e3 * (flange.shaft + 2.0 * wall):.4g} mm around the motor shaft, but it has {2e3 * crank_radius:.4g} mm"
+        )
         problems.append(f"it needs a crank with a diameter of at least {sizes}")
     return problems
 

@@ -74,8 +74,8 @@ def size_output_flange(
     else:
         bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
         circle, count = choose_flange_pattern(reducer, hub, bolt, wall)
-    washer = flange_washer(reducer, bolt)[1]
-    thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
+    washer_thickness = flange_washer(reducer, bolt)[1]
+    thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer_thickness + max(bolt.thread, wall))
     if retainer:
         thickness = max(thickness, retainer.height + axial_play(reducer))
     dowel, dowel_circle = choose_flange_dowels(reducer, bolt, (circle, count), thickness, wall)
@@ -116,16 +116,20 @@ def choose_flange_pattern(
     DesignError
         Not even the smallest number of screws fits.
     """
-    radius, hole, head_radius = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    flange = hub.shoulders[0]
-    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head_radius - wall)
-    pitch = head_radius + hole + wall
+    hub_radius, hole_radius, head_radius = (
+        0.5 * hub.bore,
+        thread_radius(reducer, bolt.thread),
+        flange_washer(reducer, bolt)[0],
+    )
+    flange_radius = hub.shoulders[0]
+    circle = min(RULES.flange_circle * hub_radius, hub_radius - hole_radius - wall, flange_radius - head_radius - wall)
+    min_pitch = head_radius + hole_radius + wall
     for count in RULES.flange_screws:
-        if 2.0 * circle * math.sin(0.5 * math.pi / count) >= pitch:
+        if 2.0 * circle * math.sin(0.5 * math.pi / count) >= min_pitch:
             return circle, count
     raise DesignError(
         f"{RULES.flange_screws[-1]} screws {bolt.designation} and as many threads for the load do not fit in the "
-        f"output flange on a hub of {2e3 * radius:.4g} mm: choose a larger outer diameter, or a thinner shaft "
+        f"output flange on a hub of {2e3 * hub_radius:.4g} mm: choose a larger outer diameter, or a thinner shaft "
         "(shaft.radius_mm)"
     )
 
@@ -142,25 +146,27 @@ def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) 
     DesignError
         No screw in stock fits between the pins.
     """
-    output, radius, shoulder = reducer.design.output, 0.5 * hub.bore, hub.shoulders[0]
-    pin = 0.0 if in_one_piece(reducer) else output.root_radius
+    output, disc_radius, shoulder_radius = reducer.design.output, 0.5 * hub.bore, hub.shoulders[0]
+    pin_radius = 0.0 if in_one_piece(reducer) else output.root_radius
     counts = (output.pins, output.pins // 2) if output.pins % 2 == 0 and output.pins > 6 else (output.pins,)
     for bolt in sorted(stock.bolts(), key=lambda bolt: -bolt.thread):
-        if bolt.thread > RULES.flange_thread * radius or (is_plastic(reducer) and not stock.insert_of(bolt.thread)):
+        if bolt.thread > RULES.flange_thread * disc_radius or (
+            is_plastic(reducer) and not stock.insert_of(bolt.thread)
+        ):
             continue
-        hole, head_radius = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-        circle = min(radius - hole - wall, shoulder - head_radius - wall)
+        hole_radius, head_radius = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+        circle = min(disc_radius - hole_radius - wall, shoulder_radius - head_radius - wall)
         pin_distance = math.dist(
             (circle * math.cos(math.pi / output.pins), circle * math.sin(math.pi / output.pins)),
             (output.pin_circle_radius, 0.0),
         )
         for count in counts:
             pitch = 2.0 * circle * math.sin(0.5 * math.pi / count)
-            if pin_distance >= hole + pin + wall and pitch >= head_radius + hole + wall:
+            if pin_distance >= hole_radius + pin_radius + wall and pitch >= head_radius + hole_radius + wall:
                 return bolt, circle, count
     raise DesignError(
         f"no screw of the output flange fits between the {output.pins} output pins in a disc of "
-        f'{2e3 * radius:.4g} mm: choose fewer or thinner output pins, or output.main_bearing_seat = "hub"'
+        f'{2e3 * disc_radius:.4g} mm: choose fewer or thinner output pins, or output.main_bearing_seat = "hub"'
     )
 
 
@@ -223,7 +229,7 @@ def choose_flange_dowels(
     if not is_plastic(reducer):
         return None, 0.0
     screw_circle, count = pattern
-    counterbore = flange_washer(reducer, bolt)[0]
+    counterbore_radius = flange_washer(reducer, bolt)[0]
     depth = min(thickness - wall, 2.0 * RULES.engagement * bolt.thread)
     for diameter in reversed(stock.dowel_diameters()):
         dowel, margin = stock.longest_dowel(diameter, 2.0 * depth), 0.5 * diameter + wall
@@ -232,6 +238,11 @@ def choose_flange_dowels(
             screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count)
         )
         half_spacing = circle * math.sin(math.pi / count)
-        if dowel and diameter <= bolt.thread and screw_distance >= counterbore + margin and half_spacing >= margin:
+        if (
+            dowel
+            and diameter <= bolt.thread
+            and screw_distance >= counterbore_radius + margin
+            and half_spacing >= margin
+        ):
             return dowel, circle
     return None, 0.0

@@ -73,7 +73,7 @@ def print_files(
     settings
         Accuracy of the meshes, offset of the printer, seat of the cam bearing, and bed.
     torques
-        Tightening torques [N m] by the name of the screws in the bill.
+        Tightening torques [N m] by the name of the screws in the bill, such as ``flange_screw``.
 
     Returns
     -------
@@ -85,50 +85,52 @@ def print_files(
     DesignError
         A part cannot be manufactured, or is larger than the bed.
     """
-    error, seat = settings.chord_error, settings.cam_seat
-    print_plates = plates(widen_clearances(reducer, settings.offset), error, seat, casing, settings.bed)
+    chord_error, cam_seat = settings.chord_error, settings.cam_seat
+    print_plates = plates(widen_clearances(reducer, settings.offset), chord_error, cam_seat, casing, settings.bed)
     stems = [PLATE] if len(print_plates) == 1 else [f"{PLATE}_{number}" for number in range(1, len(print_plates) + 1)]
-    by_stem = dict(zip(stems, print_plates, strict=True))
-    items, consumable_lines = (
-        bill(reducer, seat, casing, torques),
+    plate_by_stem = dict(zip(stems, print_plates, strict=True))
+    bill_lines, consumable_lines = (
+        bill(reducer, cam_seat, casing, torques),
         tuple(consumables(reducer, casing, torques)) if casing else (),
     )
     materials = printed_materials(reducer, casing, {part for plate in print_plates for part in plate.counts})
-    files, warnings = {BILL: bill_csv((*items, *consumable_lines))}, [*out_of_stock(items)]
-    for stem, plate in by_stem.items():
+    files, warnings = {BILL: bill_csv((*bill_lines, *consumable_lines))}, [*out_of_stock(bill_lines)]
+    for stem, plate in plate_by_stem.items():
         files |= {f"{stem}.stl": stl_bytes(plate.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(plate, materials)}
     if is_plastic(reducer):
-        files |= {f"{name}.stl": stl_bytes(mesh(plate), MILLIMETRES) for name, plate in coupon_solids(error).items()}
+        files |= {
+            f"{name}.stl": stl_bytes(mesh(plate), MILLIMETRES) for name, plate in coupon_solids(chord_error).items()
+        }
         unsupported_areas = {name: faces for plate in print_plates for name, faces in plate.hanging.items()}
-        warnings += print_warnings(reducer, unsupported_areas, error, casing)
+        warnings += print_warnings(reducer, unsupported_areas, chord_error, casing)
     consumable_texts = tuple(describe_consumable(line) for line in consumable_lines)
-    notes = _describe_plates(by_stem, consumable_texts, coupon_words() if is_plastic(reducer) else "")
-    return PrintFiles(by_stem, files, (*items, *consumable_lines), consumable_texts, notes, tuple(warnings))
+    notes = _describe_plates(plate_by_stem, consumable_texts, coupon_words() if is_plastic(reducer) else "")
+    return PrintFiles(plate_by_stem, files, (*bill_lines, *consumable_lines), consumable_texts, notes, tuple(warnings))
 
 
 def _describe_plates(
-    by_stem: Mapping[str, PrintPlate], consumable_texts: tuple[str, ...], coupon_note: str
+    plate_by_stem: Mapping[str, PrintPlate], consumable_texts: tuple[str, ...], coupon_note: str
 ) -> tuple[str, ...]:
     """Describe the print plates with their sizes, consumables, coupon and parts with supports, a sentence each.
 
     Parameters
     ----------
-    by_stem
+    plate_by_stem
         Plates by the name of their files without suffix.
     consumable_texts, coupon_note
         Consumables in words, and a sentence on the test coupon, "" without one.
     """
     notes = [
         f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in plate.size)} mm"
-        for stem, plate in by_stem.items()
+        for stem, plate in plate_by_stem.items()
     ]
     notes += [f"also needed: {text}" for text in consumable_texts]
     notes += [coupon_note] if coupon_note else []
     supported_parts = [
         position.part
-        for plate in by_stem.values()
-        for position, props in zip(plate.places, plate.supports, strict=True)
-        if props
+        for plate in plate_by_stem.values()
+        for position, supports in zip(plate.places, plate.supports, strict=True)
+        if supports
     ]
     if supported_parts:
         notes.append(

@@ -86,14 +86,17 @@ def print_warnings(
     for name, part in printed_parts(reducer, chord_error, 0.0, casing).items():
         if not is_printed(reducer, material_part(reducer, name)):
             continue
-        wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < RULES.min_printed_wall - SAME_LENGTH:
+        wall_thickness = min(map(thinnest_wall, part.solid.prisms))
+        if wall_thickness < RULES.min_printed_wall - SAME_LENGTH:
             min_wall = MILLIMETRES * RULES.min_printed_wall
-            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {min_wall:g} mm on"
+            yield f"{name} has a wall of {MILLIMETRES * wall_thickness:.2g} mm; one prints from {min_wall:g} mm on"
         holes = (hole for prism in part.solid.prisms for hole in prism.holes)
-        bore = min((float(np.ptp(hole, axis=0).min()) for hole in holes), default=np.inf)
-        if bore < MIN_HOLE:
-            yield f"{name} has a hole of {MILLIMETRES * bore:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
+        hole_diameter = min((float(np.ptp(hole, axis=0).min()) for hole in holes), default=np.inf)
+        if hole_diameter < MIN_HOLE:
+            yield (
+                f"{name} has a hole of {MILLIMETRES * hole_diameter:.3g} mm; drill those below "
+                f"{MILLIMETRES * MIN_HOLE:g} mm"
+            )
         if faces := unsupported_areas.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
             yield f"{name} needs the slicer's supports, as it lies: {areas}"

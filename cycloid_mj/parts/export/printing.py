@@ -48,10 +48,10 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
     design = reducer.design
     if not offset:
         return reducer
-    ring = {"sleeve_thickness": design.ring.sleeve_thickness - offset} if design.ring.has_sleeves else {}
-    clearance = {pair: getattr(design.clearance, pair) + offset for pair in design.pair_kinds}
+    ring_changes = {"sleeve_thickness": design.ring.sleeve_thickness - offset} if design.ring.has_sleeves else {}
+    clearances = {pair: getattr(design.clearance, pair) + offset for pair in design.pair_kinds}
     try:
-        return reducer.but(clearance=clearance, ring=ring)
+        return reducer.but(clearance=clearances, ring=ring_changes)
     except DesignError as error:
         raise DesignError(
             f"{design.name}: the printer offset of {1e6 * offset:g} um is too large, because a clearance would exceed "
@@ -89,8 +89,10 @@ def printed_parts(
 ) -> dict[str, PrintedPart]:
     """Return the printed parts: the plastic parts of `manufactured_parts`, or all if none is plastic."""
     manufactured = manufactured_parts(reducer, chord_error, cam_seat, casing)
-    plastic = {name: part for name, part in manufactured.items() if is_printed(reducer, material_part(reducer, name))}
-    return plastic or manufactured
+    plastic_parts = {
+        name: part for name, part in manufactured.items() if is_printed(reducer, material_part(reducer, name))
+    }
+    return plastic_parts or manufactured
 
 
 def manufactured_parts(
@@ -120,9 +122,9 @@ def manufactured_parts(
     """
     design = reducer.design
     gear, ring, output = design.gear, design.ring, design.output
-    cam = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
+    new_cam_radius = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
     separated_parts, mechanism_parts = (
-        separate_parts(reducer, cam, casing, chord_error),
+        separate_parts(reducer, new_cam_radius, casing, chord_error),
         lay_out_parts(reducer, chord_error),
     )
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
@@ -179,17 +181,17 @@ def separate_parts(
     """
     parts_by_name = lay_out_parts(reducer, chord_error)
     housing = parts_by_name[names.HOUSING]
-    rings = housing.segments[: reducer.design.ring.halves]
-    if pressed_segments := housing.segments[len(rings) :]:
-        parts_by_name[names.HOUSING] = housing.of(rings)
-        core = Segment(
+    ring_segments = housing.segments[: reducer.design.ring.halves]
+    if pressed_segments := housing.segments[len(ring_segments) :]:
+        parts_by_name[names.HOUSING] = housing.of(ring_segments)
+        core_segment = Segment(
             names.PRESSED_PIN,
             CircleContour(sleeve_core_radius(reducer)),
             (),
             pressed_segments[0].z0,
             pressed_segments[0].z1,
         )
-        parts_by_name[names.PRESSED_PIN] = parts_by_name[names.PIN].of([core], names.PRESSED_PIN)
+        parts_by_name[names.PRESSED_PIN] = parts_by_name[names.PIN].of([core_segment], names.PRESSED_PIN)
     parts_by_name |= _split_output(reducer, parts_by_name[names.OUTPUT])
     if reducer.design.output.rollers:
         parts_by_name[names.ROLLER] = roller_part(reducer)
@@ -215,20 +217,20 @@ def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
     """Return the radius [m] of a cam for a bearing of the bore radius `seat` [m]; raise DesignError if none fits."""
     design = reducer.design
     gear = design.gear
-    minimum = gear.eccentricity + design.shaft.radius
+    min_seat = gear.eccentricity + design.shaft.radius
     if gear.bearing != "rolling":
         raise DesignError(
             "--cam-bearing-bore-mm needs a cam with a rolling bearing, but this cam slides in the disc (gear.bearing = "
             '"plain"): remove the flag, or set gear.bearing = "rolling"'
         )
     if (
-        not (minimum < seat or (design.has_one_piece_crank and seat == round(minimum, 9)))
+        not (min_seat < seat or (design.has_one_piece_crank and seat == round(min_seat, 9)))
         or not seat < gear.bore_radius
     ):
         raise DesignError(
-            f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than {2e3 * minimum:g} "
-            f"mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the outside diameter of the "
-            "bearing (twice gear.bore_radius_mm)"
+            f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than "
+            f"{2e3 * min_seat:g} mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the "
+            "outside diameter of the bearing (twice gear.bore_radius_mm)"
         )
     return cam_radius(reducer, seat)
 
@@ -237,10 +239,10 @@ def _resize_cam(reducer: Reducer, segment: Segment, radius: float) -> Segment:
     """Return a segment of the crank, with another radius [m] if it is a cam."""
     if names.family(segment.name) != names.CAM:
         return segment
-    cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
+    cam_contour: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
     if isinstance(segment.outline, TurnedContour):
-        cam = replace(segment.outline, contour=cam)
-    return replace(segment, outline=cam)
+        cam_contour = replace(segment.outline, contour=cam_contour)
+    return replace(segment, outline=cam_contour)
 
 
 def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
