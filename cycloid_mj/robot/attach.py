@@ -35,8 +35,10 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     hinge = spec.joint(joint)
     if hinge is None:
         hinges = (element for element in spec.joints if element.type == mujoco.mjtJoint.mjJNT_HINGE)
-        names = ", ".join(hinge.name for hinge in hinges if hinge.name)
-        remedy = f"choose one of {names}" if names else "give a hinge of the model a name, because none has one"
+        hinge_names = ", ".join(hinge.name for hinge in hinges if hinge.name)
+        remedy = (
+            f"choose one of {hinge_names}" if hinge_names else "give a hinge of the model a name, because none has one"
+        )
         raise UsageError(f"the model has no joint {joint!r}: {remedy}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
         raise UsageError(

@@ -150,21 +150,21 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
     transmission = [
         _compare_transmission_error(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()
     ]
-    rows = (
+    quantities = (
         *loop_rows,
         *_compare_resonance(reduced.at("backlash"), play),
         *efficiency_rows,
-        *(row for rows, _ in transmission for row in rows),
+        *(row for quantities, _ in transmission for row in quantities),
     )
-    bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
+    bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in quantities}
     # the joint's backlash is extrapolated from this wind-up, so a smaller backlash is not resolved
     resolved_backlash = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
     bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * resolved_backlash
-    bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
+    bounds |= {row.key: COMPARISON.max_efficiency for row in quantities if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*loop_curves, *efficiency_curves, *(curve for _, curves in transmission for curve in curves))
     return ModelComparison(
-        rows, bounds, curves, COMPARISON.max_frequency * resonance / _strongest_order(reduced.ripple)
+        quantities, bounds, curves, COMPARISON.max_frequency * resonance / _strongest_order(reduced.ripple)
     )
 
 
@@ -215,19 +215,19 @@ def _compare_wind_up(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity],
             play.wind_up[1.0],
         ),
     )
-    rows = [
+    quantities = [
         Quantity(key, name, value / ARCMINUTE, "arcmin", None, reference / ARCMINUTE)
         for key, name, value, reference in compared_values
     ]
     loop_shares = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
     joint_angles = np.array([rest_angle(share) for share in loop_shares])
-    shares = np.array([0.0, *sorted(play.wind_up)])
-    wind_ups = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
+    load_shares = np.array([0.0, *sorted(play.wind_up)])
+    wind_ups = np.array([0.0, *(play.wind_up[share] for share in load_shares[1:].tolist())])
     full_model_angles = np.concatenate([(play.stops[0] - wind_ups)[::-1], play.stops[1] + wind_ups])
-    full_model_torques = rated_torque * np.concatenate([-shares[::-1], shares])
+    full_model_torques = rated_torque * np.concatenate([-load_shares[::-1], load_shares])
     axis_labels = "torque on the output [N m]", "turn [arcmin]"
     panel_title = "hysteresis loop, crank locked"
-    return rows, [
+    return quantities, [
         Curve(panel_title, "full model", full_model_torques, full_model_angles / ARCMINUTE, *axis_labels, "theory"),
         Curve(panel_title, "joint", loop_shares * rated_torque, joint_angles / ARCMINUTE, *axis_labels),
     ]
@@ -263,7 +263,7 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
     tuple
         The efficiencies as quantities [%], and curves against the output torque.
     """
-    rows, curves = [], []
+    quantities, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
     for key, is_driving, name in cases:
         joint_percent = [100.0 * _measure_efficiency(reduced, share, is_driving) for share in COMPARISON.loads]
@@ -273,7 +273,7 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
             for share in COMPARISON.loads
         ]
         for share, joint_value, full_value in zip(COMPARISON.loads, joint_percent, full_percent, strict=True):
-            rows.append(
+            quantities.append(
                 Quantity(
                     f"{key}_{share:g}",
                     f"{name} at {share:.0%} of the nominal torque",
@@ -290,7 +290,7 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
             Curve(panel_title, "full model", torques, np.array(full_percent), *axis_labels, "theory"),
             Curve(panel_title, "joint", torques, np.array(joint_percent), *axis_labels),
         ]
-    return rows, curves
+    return quantities, curves
 
 
 def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
@@ -358,7 +358,7 @@ def _compare_transmission_error(
     orders = harmonics / reduced.ratio
     basis = np.exp(-1j * np.outer(orders, angle))
     amplitudes = 2.0 * basis @ (deviation - deviation.mean()) / step_count
-    rows = [
+    quantities = [
         Quantity(
             f"te_{name}_{cycles_per_turn:.4g}",
             f"transmission error, order {cycles_per_turn:.4g}, {name}, at the nominal torque",
@@ -369,7 +369,7 @@ def _compare_transmission_error(
         )
         for cycles_per_turn, amplitude, index in zip(orders.tolist(), amplitudes, harmonics.tolist(), strict=True)
     ]
-    return rows, list(_transmission_error_curves(reducer, errors, angle, deviation, name))
+    return quantities, list(_transmission_error_curves(reducer, errors, angle, deviation, name))
 
 
 def _record_motion(scene: TrialScene, count: int) -> tuple[Array, Array]:

@@ -155,11 +155,11 @@ class CentralModel(FullModel):
         Bending of output pins and twist of the structure have that of the output contacts.
         """
         laws = contact_laws(self._reducer)
-        cam, output = (laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output"))
+        cam_time, output_time = (laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output"))
         return {
-            "cam": cam,
+            "cam": cam_time,
             "mesh": _tooth_time_constant(self._reducer, laws),
-            **dict.fromkeys(("output", "bending", "twist"), output),
+            **dict.fromkeys(("output", "bending", "twist"), output_time),
         }
 
     def inertias(self) -> tuple[float, float]:
@@ -256,8 +256,9 @@ class RvModel(FullModel):
         If the carrier is the output, its inertia includes the discs, and the cranks as point masses on their circle.
         The sun has the remaining inertia of all parts at their ideal speeds.
         """
-        design, output = self._reducer.design, turning_inertia(self._reducer)
-        return input_inertia(self._reducer) + design.drive.rotor_inertia - output / design.reduction**2, output
+        design, output_inertia = self._reducer.design, turning_inertia(self._reducer)
+        sun_inertia = input_inertia(self._reducer) + design.drive.rotor_inertia - output_inertia / design.reduction**2
+        return sun_inertia, output_inertia
 
 
 def _tooth_time_constant(reducer: Reducer, laws: Mapping[str, ContactParameters]) -> float:

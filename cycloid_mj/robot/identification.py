@@ -99,7 +99,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     fine_play, coarse_play = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counter.count_one()
     model = full_model(reducer)
-    rotor, output = model.inertias()
+    rotor_inertia, output_inertia = model.inertias()
     joint = ReducedJoint(
         name=reducer.design.name,
         level=level,
@@ -112,8 +112,8 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         polynomial=tuple(fine_play.polynomial.tolist()),
         polynomial_error=tuple(np.abs(fine_play.polynomial - coarse_play.polynomial).tolist()),
         damping=model.damping(),
-        rotor_inertia=rotor,
-        output_inertia=output,
+        rotor_inertia=rotor_inertia,
+        output_inertia=output_inertia,
         friction=_compute_friction_map(reducer, counter.count_one),
         ripple=solve_ripple(reducer, counter.count_one),
         slips=tuple(Slip(*slip_values) for slip_values in np.stack(slip_elements(reducer), axis=1).tolist()),
@@ -191,8 +191,8 @@ class Play:
 def solve_play(reducer: Reducer, poses: int) -> Play:
     """Compute play and wind-up of a reducer in static equilibrium with a locked crank.
 
-    Both are means over crank angles. `poses` is the number of evenly spaced crank angles. Raises RunError if there is
-    no equilibrium.
+    Both are rotations of the output [rad], means over `poses` evenly spaced crank angles. The wind-up is that at
+    several shares of the nominal torque. Raises RunError if there is no equilibrium.
     """
     rated_torque = reducer.design.rated_torque
     locked_rotation = full_model(reducer).locked_rotation(poses)
@@ -208,10 +208,10 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
         lower_stop > upper_stop
     ):  # preloaded halves leave no play: both lines end in the same angle, except for their curvature
         lower_stop = upper_stop = 0.5 * (lower_stop + upper_stop)
-    shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
+    load_shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
     wind_up = {
         share: 0.5 * (mean_output_angle(share) - upper_stop + lower_stop - mean_output_angle(-share))
-        for share in shares
+        for share in load_shares
     }
     return Play(rated_torque, (lower_stop, upper_stop), wind_up)
 
@@ -268,8 +268,8 @@ def _compute_no_load_torque(reducer: Reducer) -> float:
 
 def _extrapolate_to_zero(point: tuple[float, float], farther_point: tuple[float, float]) -> float:
     """Extrapolate the line through two points (x, y) to x = 0, and return its y there."""
-    (x, y), (farther_x, farther_y) = point, farther_point
-    return y - (farther_y - y) * x / (farther_x - x)
+    (nearer_x, nearer_y), (farther_x, farther_y) = point, farther_point
+    return nearer_y - (farther_y - nearer_y) * nearer_x / (farther_x - nearer_x)
 
 
 def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:

@@ -73,9 +73,9 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """
     for halving in range(IMPACT.max_halvings):
         frequency = IMPACT.start_frequency / 2.0**halving
-        crossing_time, peak = _solve_motion(reduced, inertia, frequency)
+        crossing_time, peak_wind_up = _solve_motion(reduced, inertia, frequency)
         if crossing_time <= 0.5 / frequency:
-            return ImpactLoad(frequency, peak)
+            return ImpactLoad(frequency, peak_wind_up)
     raise RunError(
         f"{reduced.name}: under the rated load, an inertia of {inertia:.4g} kg m2 takes more than a minute to "
         "traverse the backlash. Reduce the inertia (--load-inertia-kgm2)"
@@ -158,9 +158,9 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     interpolates between its breakpoints at the crank angle 0.
     """
     breakpoints = reduced.bends(0.0)
-    span = float(np.ptp(breakpoints))
-    knots = (bend + sign * IMPACT.jump_width * span for bend in breakpoints for sign in (-1, 1))
-    deviations = [breakpoints[0] - span, *knots, breakpoints[-1] + span]
+    deviation_range = float(np.ptp(breakpoints))
+    knots = (bend + sign * IMPACT.jump_width * deviation_range for bend in breakpoints for sign in (-1, 1))
+    deviations = [breakpoints[0] - deviation_range, *knots, breakpoints[-1] + deviation_range]
     stops_at = reduced.moving_stops(0.0)
     torques = [
         reduced.torque(deviation, stops_at(deviation) if reduced.level == "full" else reduced.stops)
@@ -169,8 +169,8 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     last_index = len(deviations) - 1
 
     def spring_torque(deviation: float) -> float:
-        i = min(max(bisect(deviations, deviation), 1), last_index)
-        fraction = (deviation - deviations[i - 1]) / (deviations[i] - deviations[i - 1])
-        return torques[i - 1] + fraction * (torques[i] - torques[i - 1])
+        index = min(max(bisect(deviations, deviation), 1), last_index)
+        fraction = (deviation - deviations[index - 1]) / (deviations[index] - deviations[index - 1])
+        return torques[index - 1] + fraction * (torques[index] - torques[index - 1])
 
     return spring_torque

@@ -113,14 +113,14 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
         weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving_friction * driven_friction / total_friction
     )
     friction = max(float(spring_weights.max()), np.finfo(float).tiny)
-    shares = spring_weights / friction
+    spring_shares = spring_weights / friction
     deflection = SHOE.deflection * reduced.wind_up(reduced.rated_torque)
     # a contact deflects by (1 - d) F/(m k d) under a force F, and the springs' lengths by their shares of that
-    contact_force = float(spring_torques[-1] @ shares)
+    contact_force = float(spring_torques[-1] @ spring_shares)
     armature = (1.0 - SHOE.impedance) * contact_force / (SHOE.stiffness * SHOE.impedance * deflection)
     # the cone adds the coefficient times damping and speed to the reference acceleration along the axis
     creep = SHOE.lift * SHOE.stiffness * deflection / (friction * reduced.rated_speed)
-    return Shoe(shares, friction, leading_share, armature, creep)
+    return Shoe(spring_shares, friction, leading_share, armature, creep)
 
 
 def lossy_joint_xml(reduced: ReducedJoint) -> str:
@@ -136,15 +136,15 @@ def lossy_joint_xml(reduced: ReducedJoint) -> str:
     shoe, crank_name, name = fit_shoe(reduced), rotor_name(OUTPUT), f"{OUTPUT}_shoe"
     # tan(angle) of the hinge; its turn q moves the shoe by its lever cos(angle) q along the axis
     tilt = reduced.way * shoe.leading * SHOE.lever / shoe.friction
-    lever = SHOE.lever / math.hypot(1.0, tilt)
-    plates, pairs = [], []
+    axial_lever = SHOE.lever / math.hypot(1.0, tilt)
+    plates, contact_pairs = [], []
     for index, side in enumerate((-1, 1)):
         plates.append(
             f'      <geom name="{name}_plate_{index}" type="box" '
             f'pos="0 0 {SHOE.height + side * (SHOE.radius + SHOE.half):g}" '
             f'size="{SHOE.radius} {SHOE.radius} {SHOE.half}" contype="0" conaffinity="0" mass="1e-9"/>\n'
         )
-        pairs.append(
+        contact_pairs.append(
             f'    <pair geom1="{name}_plate_{index}" geom2="{name}" condim="4" '
             f'friction="0 0 {xml_number(shoe.friction)} 0 0" '
             f'solref="{-SHOE.stiffness:g} {-2.0 * SHOE.stiffness**0.5:g}" '
@@ -154,15 +154,17 @@ def lossy_joint_xml(reduced: ReducedJoint) -> str:
     body = f"""    <body name="{name}" pos="0 0 {SHOE.height}">
       <inertial pos="0.001 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="{name}" type="hinge" pos="{SHOE.lever} 0 0" axis="0 1 {xml_number(tilt)}" \
-armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
+armature="{xml_number(shoe.armature * axial_lever**2)}" limited="false"/>
       <geom name="{name}" type="sphere" size="{SHOE.radius}" contype="0" conaffinity="0" mass="1e-9"/>
     </body>
 """
     xml_head, xml_tail = text.split("    </body>\n  </worldbody>\n")
-    xml_head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
+    xml_head += (
+        f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(contact_pairs)}  </contact>\n"
+    )
     for index, share in enumerate(shoe.shares.tolist()):
         tendon, remaining_text = xml_tail.split(f'<fixed name="{reducer_name(OUTPUT, index)}"')
-        lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
+        lever_joint = f'<joint joint="{name}" coef="{xml_number(axial_lever * share)}"/></fixed>'
         xml_tail = (
             f'{tendon}<fixed name="{reducer_name(OUTPUT, index)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
         )

@@ -87,8 +87,8 @@ class Population(Tabular):
     @property
     def frame(self) -> Frame:
         """Drives, one row each."""
-        number = np.arange(1, self.samples + 1)
-        return Frame({"sample": number, **self.values, **self.deviations}, dict(PARAMETERS))
+        drive_numbers = np.arange(1, self.samples + 1)
+        return Frame({"sample": drive_numbers, **self.values, **self.deviations}, dict(PARAMETERS))
 
     @property
     def correlation(self) -> Array:
@@ -214,12 +214,12 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
     """
     table = getattr(reducer.design, input_range.table)
     shift_factors = {}
-    for key, low in input_range.low_values.items():
-        high, design_value = input_range.high_values[key], getattr(table, key)
+    for key, low_value in input_range.low_values.items():
+        high_value, design_value = input_range.high_values[key], getattr(table, key)
         shift_factors[key] = (
             1.0
-            if low <= design_value <= high or input_range.table == "stiffness"
-            else design_value / math.sqrt(low * high)
+            if low_value <= design_value <= high_value or input_range.table == "stiffness"
+            else design_value / math.sqrt(low_value * high_value)
         )
     if all(shift_factor == 1.0 for shift_factor in shift_factors.values()):
         return input_range
@@ -227,16 +227,16 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
         {key: shift_factors[key] * value for key, value in end_values.items()}
         for end_values in (input_range.low_values, input_range.high_values)
     )
-    low, high = min(low_values.values()), max(high_values.values())
-    return replace(input_range, low=low, high=high, low_values=low_values, high_values=high_values)
+    low_value, high_value = min(low_values.values()), max(high_values.values())
+    return replace(input_range, low=low_value, high=high_value, low_values=low_values, high_values=high_values)
 
 
 def compute_parameters(reducer: Reducer) -> dict[str, float]:
-    """Compute the parameters of one drive's joint, with the keys and units of `PARAMETERS`.
+    """Compute the parameters of one drive's joint, with the keys and units of `PARAMETERS`, e.g. ``backlash_arcmin``.
 
-    They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. The
-    no-load friction of an RV reducer with Coulomb friction is the drag of its seals, as statics does not include the
-    weight of its parts.
+    They are backlash, no-load friction on the crank and, at nominal torque, torsional stiffness at the output,
+    load-dependent loss and peak-to-peak transmission error. The no-load friction of an RV reducer with Coulomb friction
+    is the drag of its seals, as statics does not include the weight of its parts.
 
     Raises
     ------

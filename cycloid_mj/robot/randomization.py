@@ -45,9 +45,11 @@ def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
     """
     ranges = {}
     for name, key in VARIED.items():
-        nominal = population.nominal[key]
-        low, high = np.percentile(population.values[key], RANGE) / nominal if nominal else (1.0, 1.0)
-        ranges[name] = (significant(float(low)), significant(float(high)))
+        nominal_value = population.nominal[key]
+        low_factor, high_factor = (
+            np.percentile(population.values[key], RANGE) / nominal_value if nominal_value else (1.0, 1.0)
+        )
+        ranges[name] = (significant(float(low_factor)), significant(float(high_factor)))
     return ranges
 
 
@@ -82,7 +84,7 @@ def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
     """
     ranges = factor_ranges(population)
     play_middle, half_play = reduced.middle, 0.5 * reduced.backlash
-    smallest, largest = (half_play * factor for factor in ranges["play"])
+    min_half, max_half = (half_play * factor for factor in ranges["play"])
     return f'''"""{_describe_ranges(population)}
 
 Use the terms in the events of an environment whose robot has the joints of NAME_cfg.py.
@@ -112,8 +114,8 @@ class ReducerEventsCfg:
         mode="startup",
         params={{
             "asset_cfg": SceneEntityCfg("robot", joint_names=["{PLAY}"]),
-            "lower_limit_distribution_params": {_format_pair((play_middle - largest, play_middle - smallest))},
-            "upper_limit_distribution_params": {_format_pair((play_middle + smallest, play_middle + largest))},
+            "lower_limit_distribution_params": {_format_pair((play_middle - max_half, play_middle - min_half))},
+            "upper_limit_distribution_params": {_format_pair((play_middle + min_half, play_middle + max_half))},
             "operation": "abs",
             "distribution": "uniform",
         }},

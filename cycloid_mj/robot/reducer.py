@@ -158,9 +158,13 @@ class ReducedJoint(Presented):
     @property
     def no_load_damping_at_output(self) -> float:
         """Rise of the no-load friction with the speed by centrifugal force, at the output [N m s/rad]."""
-        first, last = self.friction.speeds[0], self.friction.speeds[-1]
-        low, high = (self.friction.torque(0.0, speed, driving=True) for speed in (first, last))
-        return max(0.0, self.ratio**2 * (high - low) / (last - first))
+        lowest_speed, highest_speed = self.friction.speeds[0], self.friction.speeds[-1]
+        torque_at_lowest_speed, torque_at_highest_speed = (
+            self.friction.torque(0.0, speed, driving=True) for speed in (lowest_speed, highest_speed)
+        )
+        return max(
+            0.0, self.ratio**2 * (torque_at_highest_speed - torque_at_lowest_speed) / (highest_speed - lowest_speed)
+        )
 
     @cached_property
     def fingerprint(self) -> int:
@@ -210,7 +214,7 @@ class ReducedJoint(Presented):
         in the torque. Several torques can have the same L, if the error falls faster with the load than the springs
         wind up; the largest is used.
         """
-        shares, _ = self._bend_points
+        load_shares, _ = self._bend_points
         (lower_errors, lower_deviation), (upper_errors, upper_deviation) = self._stop_deviations(angle)
 
         def stops(deviation: float) -> tuple[float, float]:
@@ -220,12 +224,12 @@ class ReducedJoint(Presented):
             transmission errors that move both stops.
             """
             share_below, share_above = (
-                np.interp(-deviation, lower_deviation, shares),
-                np.interp(deviation, upper_deviation, shares),
+                np.interp(-deviation, lower_deviation, load_shares),
+                np.interp(deviation, upper_deviation, load_shares),
             )
             return (
-                self.stops[0] + float(np.interp(share_below, shares, lower_errors)),
-                self.stops[1] + float(np.interp(share_above, shares, upper_errors)),
+                self.stops[0] + float(np.interp(share_below, load_shares, lower_errors)),
+                self.stops[1] + float(np.interp(share_above, load_shares, upper_errors)),
             )
 
         return stops
@@ -260,9 +264,9 @@ class ReducedJoint(Presented):
             For the lower stop, errors (n,) [rad] and -L (n,) [rad]; for the upper stop, errors and L. The n loads are
             those of `_bend_points`. Neither -L nor L falls with the load.
         """
-        shares, wind_ups = self._bend_points
+        load_shares, wind_ups = self._bend_points
         lower_errors, upper_errors = (
-            np.interp(shares, self.ripple.loads, error_at_loads) for error_at_loads in self.ripple.errors_at(angle)
+            np.interp(load_shares, self.ripple.loads, error_at_loads) for error_at_loads in self.ripple.errors_at(angle)
         )
         return (lower_errors, _lower_envelope(wind_ups - lower_errors - self.stops[0])), (
             upper_errors,
@@ -440,16 +444,16 @@ class ReducedJoint(Presented):
                 f"{origin} does not describe a joint ({type(problem).__name__}: {problem}): use a reducer.json written "
                 "by `cycloid-mj reduce`"
             ) from None
-        for key, valid, allowed in (
+        for key, is_valid, allowed_text in (
             ("level", joint.level in LEVELS, f"one of {', '.join(LEVELS)}"),
             ("way", joint.way in (-1, 1), "1 (the output turns as the crank) or -1 (opposite)"),
             ("springs", bool(joint.springs), "a list of at least one spring"),
             *((key, 0.0 < values[key] < math.inf, "finite and greater than 0") for key in NUMBERS),
         ):
-            if not valid:
+            if not is_valid:
                 raise UsageError(
-                    f"{origin}: the value of {JOINT}.{key} must be {allowed}, but is {content[JOINT][key]!r:.60}: use "
-                    "a reducer.json written by `cycloid-mj reduce`"
+                    f"{origin}: the value of {JOINT}.{key} must be {allowed_text}, but is {content[JOINT][key]!r:.60}: "
+                    "use a reducer.json written by `cycloid-mj reduce`"
                 )
         return joint
 

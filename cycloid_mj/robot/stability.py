@@ -118,9 +118,9 @@ class StepTrial:
     def as_json(self) -> dict[str, Any]:
         """Convert the trial simulation with a time step to JSON values; keys end in units, errors are relative [1].
 
-        ``static_error`` is the error of the wind-up under the nominal torque, ``frequency_error`` the error of the
-        vibration, and ``impact_error`` the error of the largest wind-up in an impact at ``impact_hz``. ``load`` is the
-        inertia in words.
+        ``static_error`` is the error of the wind-up under the nominal torque, ``frequency_error`` that of the frequency
+        of the vibration, and ``impact_error`` the error of the largest wind-up in an impact at ``impact_hz``. ``load``
+        is the inertia in words.
         """
         return {
             "level": self.level,
@@ -192,8 +192,8 @@ def try_time_step(
     """Try a time step [s] with an integrator: test stability, the static error, and the largest wind-up in an impact.
 
     `reduced` is the joint model. Stability is tested with a locked and with a free crank. `inertia` is the inertia on
-    the output [kg m2], and `load` names this inertia in the result, such as a key of `INERTIAS`. A rigid joint is only
-    accelerated.
+    the output [kg m2], and `load` is the name of this inertia in the result, such as a key of `INERTIAS`. A rigid joint
+    is only accelerated.
     """
 
     def scene() -> TrialScene:
@@ -204,11 +204,17 @@ def try_time_step(
         return StepTrial(*conditions, *_accelerate_rigid_joint(scene(), inertia))
     load_case = solve_impact(reduced, inertia)
     stable, static_error, frequency_error = measure_vibration(scene(), inertia)
-    peak = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
-    if peak is None:
+    peak_wind_up = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
+    if peak_wind_up is None:
         return StepTrial(*conditions, False, math.nan, math.nan, load_case.frequency)
     return StepTrial(
-        *conditions, True, static_error, frequency_error, load_case.frequency, peak, peak / load_case.peak - 1.0
+        *conditions,
+        True,
+        static_error,
+        frequency_error,
+        load_case.frequency,
+        peak_wind_up,
+        peak_wind_up / load_case.peak - 1.0,
     )
 
 

@@ -49,30 +49,36 @@ PARAMETERS = (
 
 
 def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
-    """Return a copy of a joint's values with its parameters scaled by factors, by the keys of `PARAMETERS`.
+    """Return a copy of a joint's values with its parameters scaled by factors.
 
-    `values` are those of the key `joint` in reducer.json. The middle of the play, and the torques at which further
-    springs come into contact, are unchanged. Load-dependent friction is scaled by the factor of the loss.
+    `factors` are by the keys of `PARAMETERS`, such as ``backlash_arcmin``. `values` are those of the key `joint` in
+    reducer.json. The middle of the play, and the torques at which further springs come into contact, are unchanged.
+    Load-dependent friction is scaled by the factor of the loss.
     """
-    play, stiffness, friction, loss, error = (float(factors[key]) for key in PARAMETERS)
-    scaled = copy.deepcopy(dict(values))
+    play_factor, stiffness_factor, friction_factor, loss_factor, error_factor = (
+        float(factors[key]) for key in PARAMETERS
+    )
+    scaled_values = copy.deepcopy(dict(values))
     lower_stop, upper_stop = values["stops"]
-    middle, half_play = 0.5 * (lower_stop + upper_stop), 0.5 * play * (upper_stop - lower_stop)
-    scaled["stops"] = [middle - half_play, middle + half_play]
-    for spring in scaled["springs"]:
-        spring["start"] /= stiffness
-        spring["stiffness"] *= stiffness
-    scaled["polynomial"] = [
-        coefficient * stiffness ** (index + 1) for index, coefficient in enumerate(values["polynomial"])
+    middle, half_play = 0.5 * (lower_stop + upper_stop), 0.5 * play_factor * (upper_stop - lower_stop)
+    scaled_values["stops"] = [middle - half_play, middle + half_play]
+    for spring in scaled_values["springs"]:
+        spring["start"] /= stiffness_factor
+        spring["stiffness"] *= stiffness_factor
+    scaled_values["polynomial"] = [
+        coefficient * stiffness_factor ** (index + 1) for index, coefficient in enumerate(values["polynomial"])
     ]
-    scaled["damping"] = values["damping"] * stiffness
+    scaled_values["damping"] = values["damping"] * stiffness_factor
     for direction in ("driving", "driven"):
-        scaled["friction"][direction] = [
-            [friction * row[0] + loss * (torque - row[0]) for torque in row] for row in values["friction"][direction]
+        scaled_values["friction"][direction] = [
+            [friction_factor * row[0] + loss_factor * (torque - row[0]) for torque in row]
+            for row in values["friction"][direction]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
-        scaled["ripple"][key] = [[error * coefficient for coefficient in row] for row in values["ripple"][key]]
-    return scaled
+        scaled_values["ripple"][key] = [
+            [error_factor * coefficient for coefficient in row] for row in values["ripple"][key]
+        ]
+    return scaled_values
 
 
 class Joint:
@@ -104,8 +110,8 @@ class Joint:
     def varied(self, sample: Mapping[str, Any]) -> "Joint":
         """Return a copy of the joint with the parameters of a random drive, one of those in samples.csv.
 
-        `sample` is a row of this file, whose columns have the names of `PARAMETERS`. A parameter that is 0 in the
-        nominal design, such as the error of ideal parts, is not changed.
+        `sample` is a row of this file: column, such as ``backlash_arcmin`` (`PARAMETERS`), -> value. A parameter that
+        is 0 in the nominal design, such as the error of ideal parts, is not changed.
 
         Raises
         ------
@@ -139,14 +145,14 @@ class Joint:
 
         Call it before each time step; `joint` is the name of the hinge.
         """
-        output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
+        output_joint, crank_joint = model.joint(joint), model.joint(f"{joint}_rotor")
         springs = [
             f"{joint}_reducer" + (f"_{spring_index + 1}" if spring_index else "")
             for spring_index in range(len(self.values["springs"]))
         ]
-        tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
-        angle, crank_angle = (data.qpos[int(hinge.qposadr[0])] for hinge in (output, crank))
-        terms = self.terms(angle, crank_angle, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
+        tendons, dof = [model.tendon(name).id for name in springs], int(crank_joint.dofadr[0])
+        output_angle, crank_angle = (data.qpos[int(hinge.qposadr[0])] for hinge in (output_joint, crank_joint))
+        terms = self.terms(output_angle, crank_angle, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
         model.tendon_lengthspring[tendons] = terms.springlength
         model.tendon_damping[tendons[0]] = terms.damping
         model.dof_frictionloss[dof] = terms.frictionloss

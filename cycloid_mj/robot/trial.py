@@ -53,12 +53,12 @@ class TrialScene:
 
     def press_to_stop(self, torque: float) -> None:
         """Apply a torque to the output [N m], and set its angle to that of equilibrium with the springs."""
-        reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
+        reduced, crank_angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
         stop_index, magnitude = int(torque > 0.0), abs(torque)
         deviation = reduced.stops[stop_index] + reduced.wind_up(magnitude) * (1.0 if stop_index else -1.0)
         if reduced.level == "full":
-            deviation += reduced.ripple.errors(angle, magnitude / reduced.rated_torque)[stop_index]
-        self.data.qpos[self.addresses.output_angle] = deviation - reduced.coefficient * angle
+            deviation += reduced.ripple.errors(crank_angle, magnitude / reduced.rated_torque)[stop_index]
+        self.data.qpos[self.addresses.output_angle] = deviation - reduced.coefficient * crank_angle
         self.push(torque)
 
     def step(self) -> None:
