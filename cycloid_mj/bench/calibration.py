@@ -220,23 +220,23 @@ class Calibration(Presented):
         There is a sentence for each loop that deviates by more than the model error (`MODEL_ERROR`). The last sentence
         reports the candidate model of friction that explains the loops better than the design's, if there is one.
         """
-        best, sentences = self.preferred, list(self._worst_sections())
-        if best is None or best.key == model_selection.DESIGN_MODEL:
+        best_fit, sentences = self.preferred, list(self._worst_sections())
+        if best_fit is None or best_fit.key == model_selection.DESIGN_MODEL:
             return tuple(sentences)
         design_fit = next(fit for fit in self.candidates if fit.key == model_selection.DESIGN_MODEL)
         extra_text = ", ".join(
-            f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values
+            f"{key} {value:.3g}" for key, value in best_fit.values.items() if key not in design_fit.values
         )
         sentence = (
-            f"{best.meaning}{f' ({extra_text})' if extra_text else ''} explains the loops better than the design's "
-            f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best.bayesian:.3g}, residual "
-            f"{_percent(best.shares)} instead of {_percent(design_fit.shares)} of the heights"
+            f"{best_fit.meaning}{f' ({extra_text})' if extra_text else ''} explains the loops better than the design's "
+            f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best_fit.bayesian:.3g}, "
+            f"residual {_percent(best_fit.shares)} instead of {_percent(design_fit.shares)} of the heights"
         )
         remedy = (
             "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
-            f"--fit {','.join(best.values)}"
+            f"--fit {','.join(best_fit.values)}"
         )
-        return (*sentences, sentence + (remedy if best.key == "load" else ""))
+        return (*sentences, sentence + (remedy if best_fit.key == "load" else ""))
 
     def _worst_sections(self) -> Iterator[str]:
         """Yield a sentence for each loop on the section of it that deviates most from the fitted model.
@@ -461,8 +461,8 @@ def calibrate(
     loops
         Loops of one drive.
     keys
-        Values to fit: names of ``bench.parameters.names_of``, or keys of the design file; by default
-        ``bench.parameters.default_keys``.
+        Values to fit: names of ``bench.parameters.names_of``, such as "play" or "drag", or keys of the design file; by
+        default ``bench.parameters.default_keys``.
     held, crank
         Shaft that was locked ("crank" or "output"; the crank is the sun of an RV reducer), and angle of the crank
         [rad], or of the cranks of an RV reducer relative to the ring.
@@ -618,14 +618,14 @@ def _build_calibration(fitted: Fitted) -> Calibration:
     estimates = {parameter.key: _estimate_value(fitted, index) for index, parameter in enumerate(fitted.parameters)}
     parameter_correlations = correlations(fitted)
     keys = list(estimates)
-    pairs = [
+    correlated_pairs = [
         (row, column)
         for row in range(parameter_count)
         for column in range(row)
         if abs(parameter_correlations[row, column]) > LIMITS.max_correlation
     ]
     indistinguishable = tuple(
-        (keys[row], keys[column], float(parameter_correlations[row, column])) for row, column in pairs
+        (keys[row], keys[column], float(parameter_correlations[row, column])) for row, column in correlated_pairs
     )
     calibrated_design = _writable_design(fitted.calibrated_model.reducer)
     modelled_loops = [

@@ -103,17 +103,17 @@ class Fitted:
     @property
     def offsets(self) -> Array:
         """Offsets of each loop in torque [N m] and deflection [rad], shape (loops, 2)."""
-        shares = self.scaled[len(self.parameters) :].reshape(-1, 2)
-        return shares * np.array([offset_scales(loop) for loop in self.loops])
+        scaled_offsets = self.scaled[len(self.parameters) :].reshape(-1, 2)
+        return scaled_offsets * np.array([offset_scales(loop) for loop in self.loops])
 
     @cached_property
     def branches(self) -> tuple[Branches, ...]:
         """Return torque [N m] and deflection [rad] of the model along each branch of each loop, offsets included."""
-        lines = []
+        branches_by_loop = []
         for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
             branches = model_branches(self.calibrated_model, self.condition, loop, float(torque))
-            lines.append([(loads + torque, turns + deflection) for loads, turns in branches])
-        return tuple(lines)
+            branches_by_loop.append([(loads + torque, turns + deflection) for loads, turns in branches])
+        return tuple(branches_by_loop)
 
     @cached_property
     def turns(self) -> tuple[Array, ...]:
@@ -265,8 +265,8 @@ def _continue_search(
         Scaled values of the best solution, shape (v,). The intervals refer to them, unless the last repetition reached
         a lower cost.
     """
-    best, *other_solutions = solutions
-    scaled_values = best[1]
+    best_solution, *other_solutions = solutions
+    scaled_values = best_solution[1]
     for _ in range(PROFILE.max_restarts):
         problem.trials.expect(problem.expected_trials(long=1, **interval_searches))
         cost, scaled_values = problem.minimise(scaled_values, SETTINGS.max_steps, "trf")

@@ -93,7 +93,8 @@ class LoopFigures:
     def in_units(self) -> dict[str, LoopFigure]:
         """Return play, width, stiffness and Coulomb torque of the loops with their 95 % intervals, by key.
 
-        A key, such as ``play_deg``, ends in the unit of its value. There is also a stiffness for each sign of torque.
+        A key, such as ``play_deg`` or ``stiffness_nm_per_rad``, ends in the unit of its value. There is also a
+        stiffness for each sign of torque.
         """
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
@@ -124,9 +125,9 @@ class _Line(NamedTuple):
 def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
     """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals.
 
-    `DEFINITIONS` defines them. Play and stiffness are those of the loop with the largest torque. Width and Coulomb
-    torque are those of the loop with the smallest range of deflection. A quantity is NaN if its loop does not allow it,
-    for example with too few points.
+    `DEFINITIONS` defines them: the width is the rotation between the branches at zero torque. Play and stiffness are
+    those of the loop with the largest torque. Width and Coulomb torque are those of the loop with the smallest range of
+    deflection. A quantity is NaN if its loop does not allow it, for example with too few points.
     """
     largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = loop_coulomb_torque(smallest_loop)
@@ -266,8 +267,8 @@ def _line_stiffness(line: _Line | None) -> LoopFigure:
 
 def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
     """Compute the stiffness whose compliance is the mean of both sides'; the interval covers both."""
-    mean = 2.0 / (1.0 / positive.value + 1.0 / negative.value)
-    return LoopFigure(mean, min(positive.low, negative.low), max(positive.high, negative.high))
+    mean_stiffness = 2.0 / (1.0 / positive.value + 1.0 / negative.value)
+    return LoopFigure(mean_stiffness, min(positive.low, negative.low), max(positive.high, negative.high))
 
 
 def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:

@@ -95,8 +95,10 @@ def _branches_with_contact_friction(
         model.reducer, torque_path, condition.crank, model.losses, condition.held, max_turn
     )
     load = np.interp(positions, np.arange(len(torque_path)), torque_path)
-    starts = np.searchsorted(positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct_spans) + 1))
-    branches = [(load[start:end], rotation[start:end]) for start, end in pairwise(starts)]
+    branch_starts = np.searchsorted(
+        positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct_spans) + 1)
+    )
+    branches = [(load[start:end], rotation[start:end]) for start, end in pairwise(branch_starts)]
     # a closed loop repeats its branches
     return [branches[distinct_spans.index(span)] for span in torque_spans]
 

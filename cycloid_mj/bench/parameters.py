@@ -168,7 +168,7 @@ def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
 
 
 def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters to fit by their keys: names (`NAMED`), or numbers of the design file (``table.key``).
+    """Return the parameters to fit by their keys: names such as "play" (`names_of`), or numbers of the design file.
 
     Named parameters of stiffness, friction and hysteresis have start, scale and bounds from the measured `loops`.
 
@@ -187,9 +187,10 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
-    """Return the parameters that can be fitted by name (`NAMED`), by key: play, stiffness, friction and hysteresis.
+    """Return the parameters that are no key of the design file, by name such as "play" (`names_of`).
 
-    Start, scale and bounds of the last three follow from the measured loops.
+    They are play, stiffness, friction and hysteresis. Start, scale and bounds of the last three follow from the
+    measured loops.
     """
     parameters_by_name = (
         *FITS[reducer.LAYOUT].own_parameters(reducer, loops),
@@ -207,7 +208,7 @@ def _rv_parameters(reducer: RvReducer, _loops: Sequence[MeasuredLoop]) -> tuple[
     stiffness is a factor.
     """
     clearance, tooth_kinds = reducer.design.clearance, _tooth_pairs(reducer)
-    start = MICROMETRE.from_si(getattr(clearance, reducer.design.tooth_pair) + reducer.design.pin_play)
+    design_play = MICROMETRE.from_si(getattr(clearance, reducer.design.tooth_pair) + reducer.design.pin_play)
     bearing_stiffness = reducer.cranks.needle_stiffness, reducer.cranks.taper_stiffness
 
     def set_bearing_stiffness(model: Model, value: float) -> Model:
@@ -220,8 +221,8 @@ def _rv_parameters(reducer: RvReducer, _loops: Sequence[MeasuredLoop]) -> tuple[
             "play",
             "um",
             "clearance between disc and ring, including that of pins in their seats; other clearances as in the design",
-            start,
-            max(0.3 * start, 0.1),
+            design_play,
+            max(0.3 * design_play, 0.1),
             1e-3,
             BOUNDS.max_play_um,
             _play_setter(tooth_kinds),
@@ -421,10 +422,10 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the three parameters of hysteresis that can be fitted to loops, by friction or by the material.
 
-    They are the friction torque [N m] that builds up gradually with the wind-up, the rotation over which it builds up,
-    its travel [deg], and the material loss: the fraction [1] of each contact's force that its material loses while it
-    is unloaded. Start and scale of the first two are fractions of torque and range of deflection of the loop with the
-    largest torque.
+    They are the friction torque [N m] that builds up gradually with the wind-up; its travel [deg], which is the
+    rotation over which it builds up; and the material loss, which is the fraction [1] of each contact's force that its
+    material loses while it is unloaded. Start and scale of the first two are fractions of torque and range of
+    deflection of the loop with the largest torque.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (
@@ -559,18 +560,18 @@ def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None
-    names = (
+    model_names = (
         {file_key(field_name, field_info): field_name for field_name, field_info in section.model_fields.items()}
         if section
         else {}
     )
-    if name not in names:
+    if name not in model_names:
         raise UsageError(
             f"--fit: unknown parameter {key!r}. Choose from {', '.join(names_of(reducer))}, or any numeric key of the "
             f"design file, such as {_example_key(reducer)}"
         )
-    field_info: FieldInfo = section.model_fields[names[name]]
-    value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
+    field_info: FieldInfo = section.model_fields[model_names[name]]
+    value = getattr(getattr(reducer.design, table) or reducer.design.material, model_names[name])
     if not isinstance(value, float):
         raise UsageError(
             f"--fit: {key} is {value!r}, but only keys with a single real (non-integer) value can be fitted. Choose "

@@ -178,8 +178,8 @@ class Protocol(Presented):
             for side, figures in sources.items()
             for part in LoopFigure._fields
         }
-        text = {"line": np.array(list(LINES)), "unit": np.array([line.unit for line in LINES.values()])}
-        return Frame({**text, **columns})
+        text_columns = {"line": np.array(list(LINES)), "unit": np.array([line.unit for line in LINES.values()])}
+        return Frame({**text_columns, **columns})
 
     def as_json(self) -> dict[str, Any]:
         """Convert the standard test quantities of model and bench to JSON values.
@@ -415,7 +415,8 @@ def _loop_quantities(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict
 def _merge_quantities(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Return the mean of a test quantity over several loops, with an interval that covers all of their intervals.
 
-    `figures` are the values with intervals; those that are NaN are left out.
+    `figures` are the values with intervals, one for each loop. NaN values are left out; without others, the result is
+    NaN.
     """
     known_figures = [figure for figure in figures if not math.isnan(figure.value)]
     if not known_figures:
@@ -449,8 +450,8 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 def _model_quantities(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
     """Compute ``te_arcsec`` and the no-load torques of a model, such as ``starting_torque_nm``, for a test protocol.
 
-    The values have no intervals. The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N
-    m]. Torques that the catalogue of quantities does not have for the reducer are left out.
+    The values have no intervals. ``te_arcsec`` is the peak-to-peak transmission error under `SETTINGS.unloaded_share`
+    of the rated torque [N m]. Torques that the catalogue of quantities does not have for the reducer are left out.
     """
     transmission_error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
     torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}
@@ -491,22 +492,24 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
 
 
 def _read_bench_quantities(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Read transmission error and no-load torques from the files of a test bench; return them by key.
+    """Read peak-to-peak transmission error and no-load torques from the files of a test bench; return them by key.
 
     The keys, such as ``te_arcsec``, end in the units of the values. The values have no confidence intervals. Missing
     files are skipped. The running torque is the mean magnitude over its file. Raises UsageError if a file is malformed.
     """
-    figures = {}
+    quantities = {}
     if files.te:
-        figures["te_arcsec"] = LoopFigure.about(float(np.ptp(files.te.error)) / ARCSECOND)
+        quantities["te_arcsec"] = LoopFigure.about(float(np.ptp(files.te.error)) / ARCSECOND)
     if files.starting:
-        figures["starting_torque_nm"] = LoopFigure.about(read_breakaway_torque(files.starting, CRANK_TORQUE))
+        quantities["starting_torque_nm"] = LoopFigure.about(read_breakaway_torque(files.starting, CRANK_TORQUE))
     if files.running:
         torque = np.abs(read_columns(files.running, (CRANK_TORQUE,), "a run without a load")[CRANK_TORQUE])
-        figures["running_torque_nm"] = LoopFigure.about(float(torque.mean()))
+        quantities["running_torque_nm"] = LoopFigure.about(float(torque.mean()))
     if files.back_driving:
-        figures["back_driving_torque_nm"] = LoopFigure.about(read_breakaway_torque(files.back_driving, OUTPUT_TORQUE))
-    return figures
+        quantities["back_driving_torque_nm"] = LoopFigure.about(
+            read_breakaway_torque(files.back_driving, OUTPUT_TORQUE)
+        )
+    return quantities
 
 
 def _in_words(item: LoopFigure | None) -> str:

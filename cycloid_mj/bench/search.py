@@ -120,10 +120,10 @@ class FitProblem:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the scaled values, shape (v,) each; equal where a value is fixed."""
-        free = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
-        lower = [parameter.to_scale(parameter.lower) for parameter in self.parameters]
-        upper = [parameter.to_scale(parameter.upper) for parameter in self.parameters]
-        return np.concatenate([lower, -free]), np.concatenate([upper, free])
+        offset_bounds = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
+        lower_values = [parameter.to_scale(parameter.lower) for parameter in self.parameters]
+        upper_values = [parameter.to_scale(parameter.upper) for parameter in self.parameters]
+        return np.concatenate([lower_values, -offset_bounds]), np.concatenate([upper_values, offset_bounds])
 
     def expected_trials(self, **searches: int) -> float:
         """Estimate the evaluations of some searches, given the number of each kind of `TYPICAL_STEPS`."""
@@ -140,9 +140,9 @@ class FitProblem:
 
     def usual_trials(self, intervals: bool) -> float:
         """Estimate the evaluations of a fit from all starts, with or without intervals."""
-        starts, ends = len(self.start_factors), 2 * len(self.parameters)
-        searches = {"ends": ends, "nearest": 1} if intervals else {}
-        return self.expected_trials(starts=starts, again=starts, long=1, **searches)
+        start_count, end_count = len(self.start_factors), 2 * len(self.parameters)
+        searches = {"ends": end_count, "nearest": 1} if intervals else {}
+        return self.expected_trials(starts=start_count, again=start_count, long=1, **searches)
 
     @cached_property
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:

@@ -109,8 +109,8 @@ class BenchComparison(Presented):
     @property
     def explained_share(self) -> float:
         """Share of the measured curve's variance that the model explains."""
-        measured = self.measured.error - self.measured.error.mean()
-        return 1.0 - float(np.mean((measured - self.model) ** 2) / np.mean(measured**2))
+        measured_error = self.measured.error - self.measured.error.mean()
+        return 1.0 - float(np.mean((measured_error - self.model) ** 2) / np.mean(measured_error**2))
 
     @property
     def strongest_first(self) -> list[int]:
@@ -194,11 +194,13 @@ def read_te(path: Path | str) -> MeasuredError:
     """
     path = Path(path)
     columns = read_columns(path, COLUMNS, "a transmission error")
-    crank, errors = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
-    measured_error = MeasuredError(path.stem, crank, errors)
-    if measured_error.turns < 1.0 - 2.0 / len(crank):
+    crank_angles, errors = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
+    measured_error = MeasuredError(path.stem, crank_angles, errors)
+    if measured_error.turns < 1.0 - 2.0 / len(crank_angles):
         span_text = f"{measured_error.turns * 360.0:.4g} deg"
-        radians_hint = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
+        radians_hint = (
+            " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank_angles) > 70 else ""
+        )
         raise UsageError(
             f"{path}: {CRANK} covers {span_text}, but at least one full turn of 360 deg is needed. Record at least one "
             f"turn, with angles in degrees{radians_hint}"
@@ -355,15 +357,15 @@ def _fit_zero(model_error: Array, measured: MeasuredError, turn_count: int) -> f
     # the measured curve on the model's angles, then all shifts at once
     bins = np.floor(np.mod(measured.crank, full_turn) / interval + 0.5).astype(int) % angle_count
     error = measured.error - measured.error.mean()
-    binned_sums, counts = np.zeros(angle_count), np.zeros(angle_count)
+    binned_sums, point_counts = np.zeros(angle_count), np.zeros(angle_count)
     np.add.at(binned_sums, bins, error)
-    np.add.at(counts, bins, 1.0)
-    model_spectrum, count_spectrum = np.fft.rfft(model_error), np.conj(np.fft.rfft(counts))
+    np.add.at(point_counts, bins, 1.0)
+    model_spectrum, count_spectrum = np.fft.rfft(model_error), np.conj(np.fft.rfft(point_counts))
     cross_correlation = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * model_spectrum, angle_count)
     model_power = np.fft.irfft(count_spectrum * np.fft.rfft(model_error**2), angle_count)
     model_sum = np.fft.irfft(count_spectrum * model_spectrum, angle_count)
     squared_residual = (
-        model_power - 2.0 * cross_correlation - model_sum**2 / counts.sum()
+        model_power - 2.0 * cross_correlation - model_sum**2 / point_counts.sum()
     )  # about the mean of the model at the measured angles
     index = int(np.argmax(squared_residual <= squared_residual.min() + TE.zero_rtol * np.ptp(squared_residual)))
     neighbours = [squared_residual[(index + shift) % angle_count] for shift in (-1, 0, 1)]

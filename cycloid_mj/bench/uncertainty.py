@@ -116,7 +116,7 @@ def estimate_uncertainty(
     min_eigenvalue = 1e-12 * max(float(eigenvalues.max(initial=0.0)), 1e-300)
     null_vectors = eigenvectors[:, eigenvalues <= min_eigenvalue]
     inverse_information[free_block] = (eigenvectors / np.maximum(eigenvalues, min_eigenvalue)) @ eigenvectors.T
-    covariance, influence, counts = np.zeros_like(information), [], []
+    covariance, influence, correlation_times = np.zeros_like(information), [], []
     for loop_residuals, loop_slopes in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(loop_slopes @ inverse_information * loop_slopes, axis=1), INTERVAL.max_leverage)
         gain, correlation_time = loop_slopes @ inverse_information, autocorrelation_time(loop_residuals)
@@ -124,6 +124,6 @@ def estimate_uncertainty(
         scaled_residuals = gain * (loop_residuals / (1.0 - leverage))[:, np.newaxis]
         covariance += correlation_time * scaled_residuals.T @ scaled_residuals
         influence.append(gain / np.sqrt(1.0 - leverage)[:, np.newaxis])
-        counts.append(np.full(len(loop_residuals), correlation_time))
+        correlation_times.append(np.full(len(loop_residuals), correlation_time))
     covariance[free_block] += INTERVAL.unknown_error**2 * null_vectors @ null_vectors.T
-    return FitUncertainty(covariance, inverse_information, np.concatenate(influence), np.concatenate(counts))
+    return FitUncertainty(covariance, inverse_information, np.concatenate(influence), np.concatenate(correlation_times))
