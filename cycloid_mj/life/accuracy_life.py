@@ -4,6 +4,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -154,10 +155,14 @@ class WearLife(Presented):
         """Lost motion at which the accuracy life ends [rad]."""
         return (1.0 + self.growth) * float(self.courses["typical"].lost_motion[0])
 
+    @cached_property
+    def _lives(self) -> dict[Case, float]:
+        """The accuracy life of each computed case [h]."""
+        return {case: course.life(self.limit) for case, course in self.courses.items()}
+
     def life(self, case: Case = "typical") -> float:
         """Return the accuracy life in a case [h], as `Course.life`; NaN if the case is missing."""
-        course = self.courses.get(case)
-        return course.life(self.limit) if course else math.nan
+        return self._lives.get(case, math.nan)
 
     def life_text(self, case: Case = "typical") -> str:
         """Format the accuracy life [h], after which wear has increased the lost motion by the permitted growth.
@@ -175,7 +180,7 @@ class WearLife(Presented):
     def extrapolated(self, case: Case = "typical") -> bool:
         """Return whether the accuracy life in a case is beyond its course."""
         course = self.courses.get(case)
-        return course is not None and bool(course.life(self.limit) > course.hours[-1])
+        return course is not None and bool(self.life(case) > course.hours[-1])
 
     @property
     def interval_text(self) -> str:
