@@ -58,13 +58,16 @@ def in_ring_frame(
         output pins.
     """
     design = reducer.design
-    ring, carrier = (float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle)))
-    disc_angles = carrier + rotations
+    ring_angle, carrier_angle = (
+        float(reducer.member.ring_angle(crank_angle)),
+        float(reducer.member.gear_angle(crank_angle)),
+    )
+    disc_angles = carrier_angle + rotations
     ring_turn, carrier_turn = reducer.member.ring_and_carrier(output_turn)
-    ring, carrier = ring + float(ring_turn), carrier + float(carrier_turn)
-    relative_angle = crank_angle - ring
+    ring_angle, carrier_angle = ring_angle + float(ring_turn), carrier_angle + float(carrier_turn)
+    relative_angle = crank_angle - ring_angle
     ideal_angle = float(kinematics.gear_rotation(reducer.tooth_profile, relative_angle))
-    arc_lengths = design.output.pin_circle_radius * (np.append(disc_angles, carrier) - ring - ideal_angle)
+    arc_lengths = design.output.pin_circle_radius * (np.append(disc_angles, carrier_angle) - ring_angle - ideal_angle)
     return relative_angle, np.append(np.column_stack([shifts, arc_lengths[:-1]]), arc_lengths[-1])
 
 

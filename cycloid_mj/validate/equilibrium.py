@@ -217,11 +217,13 @@ def _residual_force(locked: LockedReducer, z: Array, uniform: bool = False) -> A
 
 def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
     """Compute the stiffness matrix of the closed springs [N/m], shape (unknowns, unknowns), at fixed directions."""
-    closed = [
+    closed_springs = [
         (spring.slope[spring.gap < 0], spring.stiffness[spring.gap < 0])
         for spring in _springs_at_pose(locked, z, True).values()
     ]
-    return np.asarray(np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed], axis=0))
+    return np.asarray(
+        np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed_springs], axis=0)
+    )
 
 
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:

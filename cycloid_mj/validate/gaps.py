@@ -206,13 +206,13 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
         Distance minus the offset of the flanks (n,) [m], positive outside; unit normal in the gear's frame (n, 2);
         parameter t of the nearest point (n,) [rad].
     """
-    gear, ends = flanks.gear, _flank_ends(flanks)
+    gear, flank_ends = flanks.gear, _flank_ends(flanks)
     rotated_points = rotate(points, side * flanks.rotation)
     t = _waved_distance(flanks, rotated_points)[2]
     pitch = 2 * np.pi / gear.lobes
     # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
     lobe_number = np.floor(side * t / pitch + 1 / 4)
-    phase = np.clip(side * t - lobe_number * pitch, -ends.valley, pitch / 2 - ends.tip)
+    phase = np.clip(side * t - lobe_number * pitch, -flank_ends.valley, pitch / 2 - flank_ends.tip)
     t = side * (phase + lobe_number * pitch)
     curve, tangent = _waved_curve(flanks, t)
     difference = rotated_points - curve + flanks.offset * _outward_normals(tangent)
@@ -275,19 +275,19 @@ def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flan
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))
     samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
     distances = flank_distance(flanks, samples.reshape(-1, 2))[0].reshape(roots.size, B.size)
-    row, columns = np.nonzero((distances[:, 1:-1] < distances[:, :-2]) & (distances[:, 1:-1] <= distances[:, 2:]))
+    root_rows, columns = np.nonzero((distances[:, 1:-1] < distances[:, :-2]) & (distances[:, 1:-1] <= distances[:, 2:]))
     sample_columns = [columns, columns + 1, columns + 2]
     phases = _parabola_minimum(
-        *(B[column] for column in sample_columns), *(distances[row, column] for column in sample_columns)
+        *(B[column] for column in sample_columns), *(distances[root_rows, column] for column in sample_columns)
     )
-    points = offset_root(gear, roots[row], phases)
+    points = offset_root(gear, roots[root_rows], phases)
     distance, normals, t = flank_distance(flanks, pose.to_gear(points))
     return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=points,
         t=t,
-        owner=(roots[row] - (phases > np.pi)) % gear.ring_teeth,
+        owner=(roots[root_rows] - (phases > np.pi)) % gear.ring_teeth,
         B=phases,
         ring_curvature=-1 / envelope.Sigma(gear, phases).radius,
     )

@@ -68,8 +68,8 @@ SCIPY_SOURCE = "static solution by scipy"
 
 def design_with_errors(kind: str, *changes: str) -> Design:
     """Return a design with errors and modification, without friction and gravity."""
-    free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
-    return design_of_kind(kind, *ERRORS, *(() if kind == NONPIN else PIN_ERRORS), *free, *changes)
+    condition_changes = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
+    return design_of_kind(kind, *ERRORS, *(() if kind == NONPIN else PIN_ERRORS), *condition_changes, *changes)
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
@@ -163,9 +163,9 @@ def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
         + unknowns / reducer.design.output.pin_circle_radius
     )
     positions = {names.CRANK_JOINT: BALANCE.crank, names.OUTPUT_JOINT: float(angles[-1])}
-    for disc, gear in enumerate(reducer.gears):
+    for disc, part in enumerate(reducer.gears):
         x, y = pose_of(reducer, BALANCE.crank, unknowns, disc).centre
-        positions |= dict(zip(names.planar_joints(gear), (x, y, angles[3 * disc + 2]), strict=True))
+        positions |= dict(zip(names.planar_joints(part), (x, y, angles[3 * disc + 2]), strict=True))
     return positions
 
 
@@ -240,9 +240,9 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare the smallest gap that `best_fit` reports with the smallest gap between the exact curves in its pose.
 
-    `best_fit` moves disc and output to where their smallest gap is largest. The list has one row, for fixed pins and
-    wide clearances at one crank angle. `bound` is the allowed difference [%], `changes` are settings of the form
-    ``key=value``.
+    `best_fit` moves discs and output to the pose in which the smallest of all gaps is largest. The list has one row,
+    for fixed pins and wide clearances at one crank angle. `bound` is the allowed difference [%], `changes` are settings
+    of the form ``key=value``.
     """
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)

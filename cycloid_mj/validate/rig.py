@@ -60,7 +60,7 @@ def clearances(value_um: float) -> list[str]:
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
-    """Change the stiffness [N/m] of the cam's contact in a compiled model in place.
+    """Change the normal stiffness [N/m] of the cam's contact in a compiled model in place.
 
     Its damping is half of critical. The added mass, which keeps MuJoCo's time step stable, follows (`contact_law`).
     """

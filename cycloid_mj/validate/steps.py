@@ -87,12 +87,18 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
     The compared values are those of `StepFigures`, and their bounds are `LIGHT_LOAD_BOUNDS`.
     """
     load_change = f"load.torque_nm={LIGHT_LOAD}"
-    step = 1e6 * timestep(Reducer(rated_design(kind, load_change)))
+    automatic_step = 1e6 * timestep(Reducer(rated_design(kind, load_change)))
     figures, finer_figures = (
-        _run_quantities(kind, 6, load_change, f"settings.timestep_us={factor * step!r}") for factor in (1.0, 0.5)
+        _run_quantities(kind, 6, load_change, f"settings.timestep_us={factor * automatic_step!r}")
+        for factor in (1.0, 0.5)
     )
     return _compare_quantities(
-        kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer_figures, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
+        kind,
+        f"{LIGHT_LOAD:g} N m, {automatic_step:.3g} us",
+        figures,
+        finer_figures,
+        f"{0.5 * automatic_step:.3g} us",
+        LIGHT_LOAD_BOUNDS,
     )
 
 
@@ -105,9 +111,11 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
     if isinstance(real_pins, RunError):
         raise real_pins
     changes = 'ring.pins="massless"'
-    step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
+    automatic_step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
     figures = _run_quantities(FREE, _periods(FREE, quick), changes)
-    return _compare_quantities(FREE, f"massless, {step:g} us", figures, real_pins, "real pins", MASSLESS_BOUNDS)
+    return _compare_quantities(
+        FREE, f"massless, {automatic_step:g} us", figures, real_pins, "real pins", MASSLESS_BOUNDS
+    )
 
 
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
@@ -181,8 +189,8 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 def _run_quantities(kind: str, periods: int, *changes: str) -> StepFigures:
     """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the compared results.
 
-    They are speed error and transmission error of the disc, cam force and efficiency. `changes` are settings of the
-    form ``key=value``.
+    They are rms speed error, mean and peak-to-peak transmission error of the disc, rms cam force and efficiency.
+    `changes` are settings of the form ``key=value``.
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)

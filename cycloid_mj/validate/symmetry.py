@@ -49,7 +49,8 @@ BINS = 16
 def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare a run with reversed speed with the mirror image of the run with forward speed.
 
-    The rows are the ripple of the transmission error, the tooth forces and the efficiency. `kind` is the kind of ring.
+    The rows are the transmission error of the disc over a mesh period (`mean_ripple`), the tooth forces and the
+    efficiency. `kind` is the kind of ring.
     There is no gravity. With `quick` the runs last 4 mesh periods instead of 12.
     """
     periods = 4 if quick else 12
@@ -81,8 +82,9 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare runs of one crank turn with gravity off, downward, and sideways (rotated by a right angle).
 
     Except for the positions of the output pins, the mechanism under sideways gravity behaves as that under downward
-    gravity a quarter of a crank turn earlier. The rows are forces on the disc, ripple, mean rotation of the disc and
-    efficiency. `kind` is the kind of ring; `quick` is ignored.
+    gravity a quarter of a crank turn earlier. The rows are mean forces on the disc, first harmonic of the change of the
+    transmission error by gravity, mean rotation of the disc and efficiency. `kind` is the kind of ring; `quick` is
+    ignored.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
@@ -153,8 +155,8 @@ def mean_ripple(run: Run, reducer: Reducer, direction: float) -> Array:
 
 def mean_force(run: Run, reducer: Reducer) -> Array:
     """Compute the mean force of all contacts on the disc [N], shape (2,)."""
-    parts = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
-    return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
+    forces_by_kind = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
+    return np.asarray(np.mean(sum(forces.sum(axis=1) for forces in forces_by_kind), axis=0))
 
 
 def first_harmonic(run: Run, run_without_gravity: Run, reducer: Reducer) -> complex:

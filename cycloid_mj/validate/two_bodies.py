@@ -177,9 +177,9 @@ def two_body_model(contact_parameters: ContactParameters, timestep: float, gravi
 
 
 def _secant_rows(stiffness: float) -> list[ValidationRow]:
-    """Compare the constant stiffness of the model [N/m] with that at other forces, and with Palmgren's formula.
+    """Compare the constant normal `stiffness` of the model [N/m] with Hertz's at other forces, and with Palmgren's.
 
-    These rows have no bound: they show the range of the secant stiffness.
+    All are secant stiffnesses of a line contact. The rows have no bound: they show the range of the secant stiffness.
     """
     rated_reducer = RATED
     working_force, length, radius = (

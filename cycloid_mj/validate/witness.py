@@ -102,8 +102,9 @@ def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tupl
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     """Compute the compared results of a run over its last mesh periods, in the order of `WITNESS.bounds`.
 
-    They are mean and peak-to-peak transmission error of the output [arcsec], mean cam force [N], efficiency [%] and rms
-    speed error of the gear [mrad/s]. There are `WITNESS.periods` mesh periods.
+    They are mean and peak-to-peak transmission error of the output [arcsec], mean magnitude of the cam force [N],
+    efficiency [%] and rms speed error of the first disc about its mean [mrad/s]. There are `WITNESS.periods` mesh
+    periods.
     """
     design = reducer.design
     duration = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
@@ -134,12 +135,13 @@ def _compute_quantities(
     powers
         Power of the crank and of the load on the output [W], shape (n,) each.
     speed_error
-        Speed of the gear minus its ideal speed [rad/s], shape (n,).
+        Speed of the disc minus its ideal speed [rad/s], shape (n,).
 
     Returns
     -------
     tuple of float
-        Mean and peak-to-peak error [arcsec], mean cam force [N], efficiency [%], rms speed error [mrad/s].
+        Mean and peak-to-peak error [arcsec], mean magnitude of the cam force [N], efficiency [%], rms speed error
+        [mrad/s].
     """
     crank_power, output_power = (float(power.mean()) for power in powers)
     return (
