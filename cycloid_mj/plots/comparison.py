@@ -76,7 +76,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     Parameters
     ----------
     motions
-        The runs, each design at each load. All designs have the same loads in the same order.
+        The runs, one for each design and load. Every design has the same loads in the same order.
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]

@@ -81,10 +81,10 @@ def _performance_page(sheet: Datasheet) -> Figure:
     _draw_tiles(figure, sheet, 0.855)
     top = 0.79
     tables = {key: group for key, group in sheet.groups.items() if key not in (*MOUNTING, *OPERATION)}
-    height = top - LAYOUT.curves_top - LAYOUT.table_frame * len(tables)
-    row = min(LAYOUT.row, height / sum(map(len, tables.values())))
+    height_of_rows = top - LAYOUT.curves_top - LAYOUT.table_frame * len(tables)
+    row_height = min(LAYOUT.row, height_of_rows / sum(map(len, tables.values())))
     for heading, group in tables.items():
-        top = _draw_table(figure, heading, group, top, row)
+        top = _draw_table(figure, heading, group, top, row_height)
     panels = _curves_by_panel(sheet)
     column_width = (LAYOUT.right - LAYOUT.left) / len(panels)
     for column, panel in enumerate(panels):
@@ -175,12 +175,12 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
 
 
 def _draw_table(
-    figure: Figure, heading: str, quantities: Sequence[Quantity], top: float, row: float = LAYOUT.row
+    figure: Figure, heading: str, quantities: Sequence[Quantity], top: float, row_height: float = LAYOUT.row
 ) -> float:
     """Draw a table with name, value, unit and condition of each quantity, and return the position below it.
 
-    `figure` is the page. `top` is the position of the heading. Both are vertical positions as a fraction of the page
-    height, from its bottom; `row` is the height of a row.
+    `figure` is the page, and `top` the position of the heading. Both positions are vertical, from the bottom of the
+    page; like `row_height`, they are fractions of the page height.
     """
     _draw_heading(figure, heading, top)
     name_x, unit_x, condition_x = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
@@ -194,8 +194,8 @@ def _draw_table(
         if len(quantity.note) > LAYOUT.condition_width:
             note_style |= {"fontsize": 4.7, "linespacing": 1.05}
         figure.text(condition_x, line_y, _wrap_condition(quantity.note), **note_style)
-        line_y -= row
-        _draw_rule(figure, line_y + 0.5 * row, RULE, 0.4)
+        line_y -= row_height
+        _draw_rule(figure, line_y + 0.5 * row_height, RULE, 0.4)
     return line_y - 0.012
 
 

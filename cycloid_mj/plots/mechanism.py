@@ -120,11 +120,11 @@ def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None
     draw_region(axes, solids[HOUSING].prisms[0], "ring", axis)
     draw_ring_pins(axes, reducer)
     draw_disc(axes, axis, output_disc_radius, "disc")
-    for disc, gear in enumerate(gears(design.gear.discs)):
-        draw_region(axes, solids[gear].prisms[0], "gear", pose[gear], 1.0 if disc == 0 else FRONT_OPACITY)
+    for disc, part in enumerate(gears(design.gear.discs)):
+        draw_region(axes, solids[part].prisms[0], "gear", pose[part], 1.0 if disc == 0 else FRONT_OPACITY)
     draw_output_pins(axes, reducer, transform(pose[OUTPUT], output_centres(reducer)))
-    for disc, cam in enumerate(cams(reducer, pose[SHAFT][np.newaxis])[0]):
-        draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else FRONT_OPACITY)
+    for disc, cam_pose in enumerate(cams(reducer, pose[SHAFT][np.newaxis])[0]):
+        draw_disc(axes, cam_pose, design.gear.bore_radius, "cam", 1.0 if disc == 0 else FRONT_OPACITY)
     draw_disc(axes, axis, design.shaft.radius, "shaft")
 
 
@@ -176,10 +176,10 @@ def _draw_forces(axes: Axes, reducer: Reducer, contacts: ContactForces) -> None:
     has_force = contacts.size[0] > 0.0
     if not has_force.any():
         return
-    largest_force, discs = float(contacts.size.max()), np.array(contacts.discs)
+    largest_force, disc_indices = float(contacts.size.max()), np.array(contacts.discs)
     scale = largest_force / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
     for disc in range(reducer.design.gear.discs):
-        is_drawn, colour = has_force & (discs == disc), DISC_COLOURS[disc]
+        is_drawn, colour = has_force & (disc_indices == disc), DISC_COLOURS[disc]
         points, forces = 1e3 * contacts.point[0, is_drawn].T, contacts.force[0, is_drawn].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
     power_of_ten = 10.0 ** math.floor(math.log10(largest_force))

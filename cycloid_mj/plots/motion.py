@@ -91,14 +91,16 @@ def transmission_error_figure(motion: Series) -> Figure:
     `motion` are the time series of the run.
     """
     figure, degrees = style.create_figure(3.6), style.turn_degrees(motion)
-    parts = (("output", "output_te", style.BLUE), ("cycloid disc", "gear_te", style.ORANGE))
-    for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
+    curves = (("output", "output_te", style.BLUE), ("cycloid disc", "gear_te", style.ORANGE))
+    for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), curves, strict=True):
         error = SIGNALS[key].simulated(motion)[motion.one_turn]
         axes.plot(degrees, error, color=color, linewidth=1.0)
         axes.axhline(float(error.mean()), color=color, linewidth=0.7, linestyle=(0, (4, 3)))
         axes.set_ylabel("angle [arcsec]")
-        peak_to_peak, mean = (style.typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
-        axes.set_title(f"Transmission error of the {part}: {peak_to_peak} arcsec peak to peak, mean {mean} arcsec")
+        peak_to_peak_text, mean_text = (style.typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
+        axes.set_title(
+            f"Transmission error of the {part}: {peak_to_peak_text} arcsec peak to peak, mean {mean_text} arcsec"
+        )
         axes.margins(y=0.12)
         style.crank_axis(axes, degrees)
         axes.label_outer()

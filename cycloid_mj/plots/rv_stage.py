@@ -24,8 +24,8 @@ def draw_rv_parts(axes: Axes, reducer: RvReducer, poses: RvDrawing) -> dict[str,
     """Draw posts, eccentrics, crank journals, planets and sun, each in its own coordinates, and return their artists.
 
     Needles are a ring between eccentric and bore. Planets and sun, which are beside the discs, are dashed outlines.
-    Only the radii of `poses` are used. The result has for each name of a part a list with the artists of each copy,
-    which move together.
+    `poses` is the drawing of the whole animation, of which only the radii are used. The result has for each name of a
+    part a list with the artists of each copy, which move together.
     """
     cranks, solids = reducer.cranks, rv_parts(reducer)
     sun, planet = (solids[name].solid(SCREEN_CHORD_ERROR).prisms[0].outline for name in (SUN, PLANET))

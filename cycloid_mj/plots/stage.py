@@ -116,8 +116,8 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
     parts = _draw_parts(axes, reducer, script.drawn)
     arrows = {kind: _draw_arrows(axes, reducer, forces.of(kind)) for kind in FORCES if kind in forces.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
-    lines = (str(condition(reducer)), *_view_words(script.drawn, reducer))
-    figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
+    condition_lines = (str(condition(reducer)), *_view_words(script.drawn, reducer))
+    figure.text(0.025, 0.961, "\n".join(condition_lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _add_legend(figure, forces)
     bars, ideal_line = _draw_load_bars(figure, forces.of(*RING), script.ideal)
@@ -194,9 +194,9 @@ def _other_disc_poses(script: Script, row: int) -> list[Array]:
     shape (3,): x [m], y [m] and angle [rad].
     """
     gaps, profile, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
-    crank_angle, angle = gaps.crank_angle[row], gaps.gear[row, 2]
+    crank_angle, disc_angle = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
-        np.array([*gear_centre(profile, crank_angle + phases[other]), angle])
+        np.array([*gear_centre(profile, crank_angle + phases[other]), disc_angle])
         for other in _other_discs(script.reducer, gaps.disc)
     ]
 
@@ -212,21 +212,21 @@ def _draw_housing(axes: Axes, reducer: Reducer) -> Any:
 
 def _update_ring(housing: Any, script: Script, row: int) -> None:
     """Set the outline of an internal gear, the artist `housing`, to that in picture `row` of an animation."""
-    ring = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
-    hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
+    ring_samples = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
+    hole = ring_outline(script.reducer, ring_samples.points, ring_samples.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, SCREEN_CHORD_ERROR)
     housing.set_path(closed_path([outline, hole]))
 
 
-def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dict[str, list[Any]]:
+def _draw_parts(axes: Axes, reducer: Reducer, drawing: Drawing | RvDrawing) -> dict[str, list[Any]]:
     """Draw the parts from back to front, each in its own coordinates, and return their artists.
 
-    Dots on disc and shaft show their rotation. `poses` is the drawing of the whole animation; only its radii are used.
-    The result has a list for each part name: for every copy of the part, such as each pin, the list of the artists that
-    move together.
+    Dots on disc and shaft show their rotation. `drawing` is that of the whole animation: only its radii and the shown
+    disc are used. The result has a list for each part name: for every copy of the part, such as each pin, the list of
+    the artists that move together.
     """
     design = reducer.design
-    ring, radii, disc = design.ring, poses.radii, poses.gaps.disc
+    ring, radii, disc = design.ring, drawing.radii, drawing.gaps.disc
     has_pins = design.ring.kind == "pin"
     prism = _disc_prism(reducer, disc)
     disc_dot = (0.0, *_rotation_dot(reducer))
@@ -244,9 +244,9 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
         ],
         OTHER_DISCS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
     }
-    if isinstance(poses, RvDrawing):
-        return shared_parts | draw_rv_parts(axes, cast(RvReducer, reducer), poses)
-    return shared_parts | _draw_central_parts(axes, reducer, poses.radii, disc)
+    if isinstance(drawing, RvDrawing):
+        return shared_parts | draw_rv_parts(axes, cast(RvReducer, reducer), drawing)
+    return shared_parts | _draw_central_parts(axes, reducer, drawing.radii, disc)
 
 
 def _draw_central_parts(axes: Axes, reducer: Reducer, radii: Radii, disc: int) -> dict[str, list[Any]]:

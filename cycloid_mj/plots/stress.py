@@ -60,8 +60,8 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     for index, findings_of_design, maxima in studies:
         degrees, line_style = np.degrees(maxima.angle), _line_style(index)
         bulk_axes.plot(degrees, maxima.bulk / MEGAPASCAL, **line_style)
-        peak = maxima.bulk_peak
-        bulk_axes.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
+        bulk_peak = maxima.bulk_peak
+        bulk_axes.plot(np.degrees(bulk_peak.angle), bulk_peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
         contact_axes.plot(degrees, maxima.contact / MEGAPASCAL, **line_style)
         if published_limit := findings_of_design.published_limit(part):
             bulk_axes.axhline(published_limit / MEGAPASCAL, color=_color(index), **RANGE)
@@ -96,11 +96,13 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
         Design and load, for the title.
     """
     figure, panels = _create_panels(list(maps), f"{condition}: von Mises stress")
-    for axes, (part, stress) in zip(panels, maps.items(), strict=False):
-        max_stress = float(stress.von_mises[stress.bulk].max()) / MEGAPASCAL
-        image = _draw_map(axes, stress, stress.von_mises / MEGAPASCAL, max_stress)
+    for axes, (part, stress_map) in zip(panels, maps.items(), strict=False):
+        max_stress = float(stress_map.von_mises[stress_map.bulk].max()) / MEGAPASCAL
+        image = _draw_map(axes, stress_map, stress_map.von_mises / MEGAPASCAL, max_stress)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
-        axes.set_title(f"{TITLES[part]} at {np.degrees(stress.angle):.0f} deg:\nat most {max_stress:.3g} MPa in bulk")
+        axes.set_title(
+            f"{TITLES[part]} at {np.degrees(stress_map.angle):.0f} deg:\nat most {max_stress:.3g} MPa in bulk"
+        )
     return figure
 
 
@@ -201,25 +203,25 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
     return figure, panels
 
 
-def _draw_map(axes: Axes, stress: StressMap, values: Array, max_value: float) -> Any:
-    """Draw n nodal values (n,) of a part as colours on the mesh of `stress`, and return the drawn triangles.
+def _draw_map(axes: Axes, stress_map: StressMap, stress: Array, max_stress: float) -> Any:
+    """Draw the `stress` at the n nodes of a part (n,) as colours on the mesh of `stress_map`; return the triangles.
 
-    Values are interpolated linearly between nodes. A solid part is drawn in its view (`VIEWS`), visible faces only. The
-    colour scale ends at the value `max_value`.
+    It is interpolated linearly between nodes. A solid part is drawn in its view (`VIEWS`), visible faces only. The
+    colour scale is from 0 to `max_stress`, in the unit of `stress`.
     """
     map_style: dict[str, Any] = {
         "cmap": COLOUR_MAP,
         "vmin": 0.0,
-        "vmax": max_value,
+        "vmax": max_stress,
         "shading": "gouraud",
         "rasterized": True,
     }
-    if stress.points.shape[1] == 2:
-        triangulation = _triangulate(stress.points / MILLIMETRE, stress.cells)
-        return axes.tripcolor(triangulation, values, **map_style)
-    points, faces, _ = _project_surface(stress.points, stress.cells, stress.part)
+    if stress_map.points.shape[1] == 2:
+        triangulation = _triangulate(stress_map.points / MILLIMETRE, stress_map.cells)
+        return axes.tripcolor(triangulation, stress, **map_style)
+    points, faces, _ = _project_surface(stress_map.points, stress_map.cells, stress_map.part)
     axes.set_axis_off()
-    return axes.tripcolor(_triangulate(points, faces), values, **map_style)
+    return axes.tripcolor(_triangulate(points, faces), stress, **map_style)
 
 
 def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:

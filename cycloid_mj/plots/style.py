@@ -135,8 +135,8 @@ def crank_axis(axes: Axes, degrees: Array) -> None:
 
 def centre_on_zero(axes: Axes, *errors: Array) -> None:
     """Scale the y axis symmetrically about zero so that it covers all `errors`, and draw a line at zero."""
-    largest = max(float(np.max(np.abs(error), initial=0.0)) for error in errors) or 1.0
-    axes.set_ylim(-1.15 * largest, 1.15 * largest)
+    largest_error = max(float(np.max(np.abs(error), initial=0.0)) for error in errors) or 1.0
+    axes.set_ylim(-1.15 * largest_error, 1.15 * largest_error)
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
 
 

@@ -51,14 +51,16 @@ def budget_figure(tolerances: Tolerances) -> Figure:
     """
     figure = style.create_figure(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
-    rows = np.arange(len(tolerances.budget))
-    total = np.array([share.total for share in tolerances.budget])
+    bar_positions = np.arange(len(tolerances.budget))
+    total_indices = np.array([share.total for share in tolerances.budget])
     interval_ends = np.array([share.ci95 for share in tolerances.budget])
-    axes.barh(rows, total, height=0.66, color=style.SKY)
-    axes.barh(rows, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=style.BLUE)
-    interval_lengths = np.maximum(np.abs(interval_ends - total[:, np.newaxis]).T, 0.0)
-    axes.errorbar(total, rows, xerr=interval_lengths, fmt="none", ecolor=style.BLACK, elinewidth=0.8, capsize=2.0)
-    axes.set_yticks(rows, [share.source.replace("_", " ") for share in tolerances.budget])
+    axes.barh(bar_positions, total_indices, height=0.66, color=style.SKY)
+    axes.barh(bar_positions, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=style.BLUE)
+    interval_lengths = np.maximum(np.abs(interval_ends - total_indices[:, np.newaxis]).T, 0.0)
+    axes.errorbar(
+        total_indices, bar_positions, xerr=interval_lengths, fmt="none", ecolor=style.BLACK, elinewidth=0.8, capsize=2.0
+    )
+    axes.set_yticks(bar_positions, [share.source.replace("_", " ") for share in tolerances.budget])
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(interval_ends))))
     axes.grid(visible=False, axis="y")

@@ -52,10 +52,10 @@ class ViewFrame:
         One label has number and size of the ring pins or lobes. The other has `text`; it points at `point`, shape (2,)
         [m], on the circle of `pitch_radius` [m].
         """
-        axes, ring, outer = self.axes, self.reducer.design.ring, self.outer
+        axes, ring, outer_radius = self.axes, self.reducer.design.ring, self.outer
         for radius in (ring.pin_circle_radius, pitch_radius):
             axes.add_patch(Circle((0.0, 0.0), MILLIMETRES * radius, fill=False, **AXIS))
-        half_size = outer * (1.0 + 0.4 * LINE_SPACING)
+        half_size = outer_radius * (1.0 + 0.4 * LINE_SPACING)
         axes.plot((-half_size, half_size), (0.0, 0.0), **AXIS)
         axes.plot((0.0, 0.0), (-half_size, half_size), **AXIS)
         self._write_title(0.0, title)
@@ -63,11 +63,13 @@ class ViewFrame:
         ring_text = f"{ring.teeth} {size_text}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
         ring_point = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
         for label_point, label, side in ((ring_point, ring_text, -1.0), (point, text, 1.0)):
-            text_position = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))
+            text_position = (side * outer_radius * (0.78 + LINE_SPACING), outer_radius * (0.86 + LINE_SPACING))
             draw_leader(
                 axes, (MILLIMETRES * float(label_point[0]), MILLIMETRES * float(label_point[1])), text_position, label
             )
-        draw_dimension(axes, (-outer, outer), self.level(1.6), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
+        draw_dimension(
+            axes, (-outer_radius, outer_radius), self.level(1.6), (0.0, 0.0), f"Ø{2 * outer_radius:.4g}", upright=False
+        )
 
     def draw_section(self, parts: Iterable[tuple[tuple[str, str], Prism]]) -> None:
         """Draw the axial section of prisms in the frame of the reducer, with centre line and title.
@@ -132,12 +134,12 @@ def frame_views(axes: Axes, reducer: Reducer, ends: tuple[float, float], gap: fl
         Frame of both views [mm], with methods to draw them.
     """
     lower_end, upper_end = (MILLIMETRES * end for end in ends)
-    outer = MILLIMETRES * reducer.design.housing.outer_radius
-    shift = outer * (1.0 + gap * LINE_SPACING) - lower_end
+    outer_radius = MILLIMETRES * reducer.design.housing.outer_radius
+    shift = outer_radius * (1.0 + gap * LINE_SPACING) - lower_end
     frame = ViewFrame(axes, reducer, (lower_end + shift, upper_end + shift), shift)
     axes.set(
-        xlim=(-outer * (1.0 + 2.0 * LINE_SPACING), frame.ends[1] + 4.2 * LINE_SPACING * outer),
-        ylim=(frame.level(4.2), outer * (1.0 + 2.6 * LINE_SPACING)),
+        xlim=(-outer_radius * (1.0 + 2.0 * LINE_SPACING), frame.ends[1] + 4.2 * LINE_SPACING * outer_radius),
+        ylim=(frame.level(4.2), outer_radius * (1.0 + 2.6 * LINE_SPACING)),
     )
     axes.set_aspect("equal")
     axes.axis("off")

@@ -41,8 +41,8 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
         draw_rv_views(axes, reducer)
         return
     placed_prisms = list(_placed_prisms(reducer))
-    z = [end for _, prism in placed_prisms for end in (prism.z0, prism.z1)]
-    frame = frame_views(axes, reducer, (min(z), max(z)), gap=4.0)
+    end_heights = [end for _, prism in placed_prisms for end in (prism.z0, prism.z1)]
+    frame = frame_views(axes, reducer, (min(end_heights), max(end_heights)), gap=4.0)
     _draw_front_view(frame, reducer)
     frame.draw_section((PARTS[family(name)], prism) for name, prism in placed_prisms)
     _draw_dimensions(frame, reducer)
@@ -85,9 +85,9 @@ def _pins_label(reducer: Reducer) -> str:
 
 def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism]]:
     """Yield the prisms of all parts in the frame of the reducer, each with the name of its part."""
-    discs = {placed_disc.part: placed_disc.origin for placed_disc in place_discs(reducer, 0.0, 0.0)}
+    origins_of_discs = {placed_disc.part: placed_disc.origin for placed_disc in place_discs(reducer, 0.0, 0.0)}
     for name, solid in body_solids(reducer).items():
-        origins = [discs.get(name, (0.0, 0.0, 0.0))]
+        origins = [origins_of_discs.get(name, (0.0, 0.0, 0.0))]
         if name == PIN:
             origins = [(x, y, 0.0) for x, y in ring_places(reducer).tolist()]
         for origin in origins:
@@ -101,12 +101,14 @@ def _draw_dimensions(frame: ViewFrame, reducer: Reducer) -> None:
     and, at the bottom, the whole reducer. The diameter of the input journal is on the left, those of output disc and
     housing are on the right.
     """
-    mm, outer, (left, right) = MILLIMETRES, frame.outer, frame.ends
-    output_disc, shaft = body_solids(reducer)[OUTPUT].prisms[0], MILLIMETRES * reducer.design.shaft.radius
+    mm, outer_radius, (left_end, right_end) = MILLIMETRES, frame.outer, frame.ends
+    output_disc, shaft_radius = body_solids(reducer)[OUTPUT].prisms[0], MILLIMETRES * reducer.design.shaft.radius
     disc_radius = mm * float(np.linalg.norm(output_disc.outline, axis=1).max())
-    frame.draw_length((-frame.half_width, frame.half_width), 1, (-outer, -outer))
+    frame.draw_length((-frame.half_width, frame.half_width), 1, (-outer_radius, -outer_radius))
     frame.draw_length((mm * output_disc.z0, mm * output_disc.z1), 2, (-disc_radius, -disc_radius))
-    frame.draw_length((left - frame.shift, right - frame.shift), 3, (-shaft, -disc_radius))
-    level = left - LINE_SPACING * outer
-    draw_dimension(frame.axes, (-shaft, shaft), level, (left, left), f"Ø{2 * shaft:.4g}", upright=True)
+    frame.draw_length((left_end - frame.shift, right_end - frame.shift), 3, (-shaft_radius, -disc_radius))
+    level = left_end - LINE_SPACING * outer_radius
+    draw_dimension(
+        frame.axes, (-shaft_radius, shaft_radius), level, (left_end, left_end), f"Ø{2 * shaft_radius:.4g}", upright=True
+    )
     frame.draw_outer_diameters(disc_radius, mm * output_disc.z1)

@@ -47,7 +47,7 @@ def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
         hours, high_curve = courses["high"]
         axes.fill_between(hours, np.interp(hours, *courses["low"]), high_curve, color=BLUE, alpha=0.12, linewidth=0.0)
     case_styles = {"low": ("5 %", GREY, 0.9), "typical": ("typical", BLUE, 1.4), "high": ("95 %", BLACK, 0.9)}
-    for case, (label, colour, width) in case_styles.items():
+    for case, (label, colour, line_width) in case_styles.items():
         if case in courses:
-            axes.plot(*courses[case], label=label, color=colour, linewidth=width)
+            axes.plot(*courses[case], label=label, color=colour, linewidth=line_width)
     axes.axhline(result.limit / ARCMINUTE, color=VERMILION, linewidth=0.9, linestyle="--", label="limit")
