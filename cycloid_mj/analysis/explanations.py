@@ -70,10 +70,10 @@ def _torque_sentences(findings: Findings) -> Iterator[str]:
 def _loss_sentences(findings: Findings) -> Iterator[str]:
     """Yield a sentence on the losses, unless there are none."""
     losses = {loss.pair.replace("_", "-"): loss.friction_w + loss.normal_w for loss in findings.losses}
-    total = math.fsum(losses.values())
-    if total > 0.0:
-        pair, largest = max(losses.items(), key=lambda item: item[1])
-        yield f"losses: {total:.3g} W, of which {min(1.0, largest / total):.0%} at {pair}"
+    total_loss = math.fsum(losses.values())
+    if total_loss > 0.0:
+        pair, largest_loss = max(losses.items(), key=lambda item: item[1])
+        yield f"losses: {total_loss:.3g} W, of which {min(1.0, largest_loss / total_loss):.0%} at {pair}"
 
 
 def _contact_sentence(findings: Findings) -> str:

@@ -84,7 +84,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _mean_powers(motion), _summarize_contacts(motion), _window(motion)
-    output = _transmission_error(motion.output_angle, motion)
+    output_error = _transmission_error(motion.output_angle, motion)
     return Findings(
         design=motion.design.name,
         contact=provenance.get("contact"),
@@ -99,7 +99,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         gear_speed=_compare_speeds(motion.gear_speed, motion),
         q_path=_path(motion, motion.evaluation_mask),
         q_speed=_velocity(motion.q_velocity, motion.evaluation_mask),
-        transmission_error=output,
+        transmission_error=output_error,
         contact_summary=contacts,
         crank_bearings=_summarize_crank_bearings(motion),
         pin1=_pin_1(motion),
@@ -107,7 +107,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         q_acceleration=_compare_accelerations(motion, motion.evaluation_mask),
         ramp=_ramp(motion),
         output_speed=_compare_speeds(motion.output_speed, motion),
-        output_transmission_error=output,
+        output_transmission_error=output_error,
         gear_transmission_error=_transmission_error(motion.gear_angle, motion),
         discs=_evaluate_discs(motion),
         efficiency=_efficiency(power, motion),
@@ -123,9 +123,9 @@ def judge(motion: Series, log: str | None = None) -> Findings:
 
 
 def _crank(motion: Series) -> Crank:
-    nominal = abs(motion.design.drive.speed)
-    mean = _mean(motion.crank_speed.simulated, motion)
-    return Crank(mean, peak(motion.crank_speed.error) / nominal if nominal else None)
+    nominal_speed = abs(motion.design.drive.speed)
+    mean_speed = _mean(motion.crank_speed.simulated, motion)
+    return Crank(mean_speed, peak(motion.crank_speed.error) / nominal_speed if nominal_speed else None)
 
 
 def _evaluate_discs(motion: Series) -> tuple[Disc, ...]:
@@ -262,8 +262,8 @@ def _mean_powers(motion: Series) -> Power:
 
 
 def _efficiency(power: Power, motion: Series) -> float | None:
-    loaded = motion.design.load.torque > 0 and power.input_w > 0
-    return Powers(power.input_w, -power.output_w).efficiency if loaded and motion.phase == "hold" else None
+    is_loaded = motion.design.load.torque > 0 and power.input_w > 0
+    return Powers(power.input_w, -power.output_w).efficiency if is_loaded and motion.phase == "hold" else None
 
 
 def _mean_losses(motion: Series) -> tuple[Loss, ...]:

@@ -168,17 +168,17 @@ class Series:
     @property
     def whole_periods(self) -> slice:
         """Samples of mean values: full crank turns of the evaluated samples, or else full mesh periods."""
-        first = int(np.argmax(self.evaluation_mask))
-        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.reducer.mesh_periods)
-        return slice(first, first + part.stop)
+        first_sample = int(np.argmax(self.evaluation_mask))
+        part = window.whole_periods(self.crank_angle[first_sample:], 2 * np.pi / self.reducer.mesh_periods)
+        return slice(first_sample, first_sample + part.stop)
 
     @property
     def one_turn(self) -> slice:
         """Samples of a crank turn: of the hold, from crank angle 0 if it is long enough, or the last of the ramp."""
-        first = int(np.argmax(self.evaluation_mask))
+        first_sample = int(np.argmax(self.evaluation_mask))
         find_turn = window.one_turn if self.phase == "hold" else window.last_turn
-        part = find_turn(self.crank_angle[first:])
-        return slice(first + part.start, first + part.stop)
+        part = find_turn(self.crank_angle[first_sample:])
+        return slice(first_sample + part.start, first_sample + part.stop)
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:

@@ -83,8 +83,8 @@ class Orders(Presented):
     @property
     def line(self) -> str:
         """Number of orders, and the largest amplitude."""
-        largest = int(np.argmax(self.amplitude))
-        return f"{len(self.order)} orders; largest {self.amplitude[largest]:.4g} at {self.order[largest]:.4g}"
+        strongest = int(np.argmax(self.amplitude))
+        return f"{len(self.order)} orders; largest {self.amplitude[strongest]:.4g} at {self.order[strongest]:.4g}"
 
     def rms(self, kept: Mask) -> float:
         """Compute the rms value of the signal that consists of the orders in the mask `kept`."""

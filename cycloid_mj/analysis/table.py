@@ -64,12 +64,12 @@ def _motion_rows(
 
     `article` precedes the part's name in the rows of transmission error; "" for names with a number.
     """
-    mean, theory = speed.mean_rad_s, speed.theory_rad_s
+    mean_speed, ideal_speed = speed.mean_rad_s, speed.theory_rad_s
     # a difference within rounding is shown as 0
-    mean_error = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
+    mean_error = 0.0 if abs(mean_speed - ideal_speed) <= ROUNDING * abs(ideal_speed) else mean_speed - ideal_speed
     yield _format_row(f"transmission error of {article}{part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
     yield _format_row(f"transmission error of {article}{part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
-    yield _format_row(f"{part} speed, mean", "rad/s", mean, theory, mean_error)
+    yield _format_row(f"{part} speed, mean", "rad/s", mean_speed, ideal_speed, mean_error)
     yield _format_row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
     yield _format_row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
 

@@ -182,8 +182,8 @@ def _open_balance_warning(missing_power: float, total_power: float, speed: float
 
 
 def _swept_turns(run: Run) -> float:
-    angle = run[f"{run.driven_shaft}_angle"]
-    return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
+    shaft_angle = run[f"{run.driven_shaft}_angle"]
+    return float(abs(shaft_angle[-1] - shaft_angle[0]) / (2.0 * np.pi) * shaft_angle.size / (shaft_angle.size - 1))
 
 
 def _ramp_warning(motion: Series) -> str:

@@ -95,9 +95,9 @@ def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
     with the period of a turn or of the mesh cancels, except for the fraction of a sample at the end.
     """
     swept_angle = np.abs(crank_angle - crank_angle[0])
-    span = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)
+    total_angle = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)
     for period in (2 * np.pi, mesh_period):
-        count = np.floor(span / period + WINDOW.period_tolerance)
+        count = np.floor(total_angle / period + WINDOW.period_tolerance)
         if count >= 1:
             return slice(0, int(np.searchsorted(swept_angle, count * period * (1 - WINDOW.period_tolerance))))
     return slice(0, swept_angle.size)
