@@ -56,8 +56,8 @@ def review_page(log: Path, run: Run | None = None) -> str:
     """
     from cycloid_mj.log import read
 
-    (item,) = review({str(log): run or read(log, without=(FORCES,))})
-    return _page([replace(item, shown=read(log, rows=frames(item.motion)))])
+    (reviewed_run,) = review({str(log): run or read(log, without=(FORCES,))})
+    return _page([replace(reviewed_run, shown=read(log, rows=frames(reviewed_run.motion)))])
 
 
 def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> ReportPage:

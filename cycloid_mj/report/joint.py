@@ -97,7 +97,7 @@ def _main_values(reduced: ReducedJoint) -> dict[str, str]:
 
 
 def _quantity_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate all identified quantities of a joint with units and numerical errors.
+    """Tabulate all identified quantities of a joint with their units, and their numerical errors in these units.
 
     `reduced` is the joint model.
     """
@@ -144,8 +144,9 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
 def _friction_table(reduced: ReducedJoint) -> TextTable:
     """Tabulate constant friction [N m] and damping [N m s/rad] for simulators without load-dependent friction.
 
-    Each row has the values that are correct at the rated speed under one of `FRICTION_LOADS`: friction with the crank
-    driving, friction with the output driving, and damping. `reduced` is the joint model.
+    A row is for one of `FRICTION_LOADS`, shares of the nominal torque. It has the friction of the joint at the rated
+    speed under this load, with the crank driving and with the output driving, and the damping without a load. `reduced`
+    is the joint model.
     """
     rows = []
     for load_share in FRICTION_LOADS:

@@ -78,10 +78,10 @@ def _failed_checks(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]
 def _main_values(reviewed_run: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield the main results of a run as pairs of name and text with unit.
 
-    They are efficiency, transmission and speed errors of output and disc, largest contact force, number of contacts,
-    and backlash and stiffness in static equilibrium. The last two are omitted if there is no equilibrium. The text of
-    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed. `reviewed_run`
-    is the analysed run.
+    They are efficiency, peak-to-peak transmission error and rms speed error of output and disc, largest contact force,
+    mean number of contacts, and backlash and stiffness in static equilibrium. The last two are omitted if there is no
+    equilibrium. The text of the efficiency is a remark if there is no load, or if the run ended before reaching
+    constant speed. `reviewed_run` is the analysed run.
     """
     findings = reviewed_run.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"
@@ -102,8 +102,8 @@ def _static_values(reducer: Reducer) -> Iterator[tuple[str, str]]:
     """Yield backlash and stiffness of the static equilibrium, which a run does not determine."""
     load, _ = load_of(reducer)
     for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
-        entry = figure(key)
-        yield f"{name} (static)", f"{_format_number(entry.value(reducer))} {entry.unit}"
+        catalogue_row = figure(key)
+        yield f"{name} (static)", f"{_format_number(catalogue_row.value(reducer))} {catalogue_row.unit}"
 
 
 def _format_number(value: float, digits: int = 3) -> str:

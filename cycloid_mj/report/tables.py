@@ -33,8 +33,8 @@ class TextTable(NamedTuple):
 
     def spans(self, row: Sequence[str]) -> list[tuple[str, int]]:
         """Return the cells of a row of the head, each with the number of columns it spans."""
-        starts = [column for column, cell in enumerate(row) if cell or column == 0]
-        return [(row[start], end - start) for start, end in pairwise([*starts, len(row)])]
+        start_columns = [column for column, cell in enumerate(row) if cell or column == 0]
+        return [(row[start], end - start) for start, end in pairwise([*start_columns, len(row)])]
 
 
 def setup(reviewed: Sequence[Reviewed]) -> TextTable:
@@ -126,9 +126,9 @@ def _setup_rows(reviewed_run: Reviewed) -> Iterator[tuple[str, str]]:
     x, y = reviewed_run.findings.q_path.q_mm
     disc_text = f" of {reviewed_run.motion.gear_words}" if design.gear.discs > 1 else ""
     yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{disc_text}"
-    span = float(run.time[-1] - run.time[0])
+    duration = float(run.time[-1] - run.time[0])
     turn_count = abs(DEGREE.from_si(float(np.ptp(reviewed_run.motion.crank_angle[[0, -1]])))) / 360
-    yield "simulated", f"{span:.4g} s, {turn_count:.1f} crank turns, {len(run):,} samples"
+    yield "simulated", f"{duration:.4g} s, {turn_count:.1f} crank turns, {len(run):,} samples"
     steps_text = f", {reviewed_run.findings.steps:,} steps" if reviewed_run.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(reviewed_run.findings.timestep_s):g} µs{steps_text}"
     if reviewed_run.findings.timestep_for:
