@@ -73,13 +73,13 @@ class Course:
         reached_indices = np.flatnonzero(self.lost_motion >= limit)
         if reached_indices.size:
             reached_index = max(int(reached_indices[0]), 1)
-            step = slice(reached_index - 1, reached_index + 1)
-            return float(np.interp(limit, self.lost_motion[step], self.hours[step]))
+            interval = slice(reached_index - 1, reached_index + 1)
+            return float(np.interp(limit, self.lost_motion[interval], self.hours[interval]))
         if self.is_final:
             return float(self.hours[-1])
         if self.trend:
             return self.trend.hours_until(limit)
-        last_hours, last_growth = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
+        last_hours, last_growth = (float(np.diff(history[-2:]).sum()) for history in (self.hours, self.lost_motion))
         remaining_growth = limit - float(self.lost_motion[-1])
         return float(self.hours[-1]) + remaining_growth * last_hours / last_growth if last_growth > 0.0 else math.inf
 
@@ -184,7 +184,7 @@ class WearLife(Presented):
 
     @property
     def interval_text(self) -> str:
-        """Return the 5 to 95 % interval of the accuracy life [h] in words."""
+        """Return the 5 to 95 % interval of the accuracy life in words, such as "412 h to unlimited"."""
         shortest_life, longest_life = (self.life_text(case) for case in ("high", "low"))
         if shortest_life == longest_life:
             return shortest_life
@@ -196,8 +196,8 @@ class WearLife(Presented):
     @property
     def run_in_share(self) -> float:
         """Share of run-in in the volume that is worn at the end of the typical course [1]."""
-        total = sum(item.volume(item.depth) for item in self.surfaces)
-        return sum(item.volume(item.run_in) for item in self.surfaces) / total if total else 0.0
+        worn_volume = sum(item.volume(item.depth) for item in self.surfaces)
+        return sum(item.volume(item.run_in) for item in self.surfaces) / worn_volume if worn_volume else 0.0
 
     @property
     def assumptions(self) -> tuple[str, ...]:
@@ -221,8 +221,8 @@ class WearLife(Presented):
     @property
     def _rows(self) -> list[dict[str, float]]:
         """The recorded values of each time, by the key of the column."""
-        names = [key for key, _ in self.columns]
-        return [dict(zip(names, row, strict=True)) for row in self.records]
+        keys = [key for key, _ in self.columns]
+        return [dict(zip(keys, row, strict=True)) for row in self.records]
 
     @property
     def frame(self) -> Frame:
@@ -241,7 +241,7 @@ class WearLife(Presented):
 
         The first table is for the typical case of wear.
         """
-        surfaces = tuple(
+        surface_rows = tuple(
             (
                 item.surface.name,
                 item.law.material,
@@ -255,15 +255,15 @@ class WearLife(Presented):
         headings = ("surface", "material", "k [mm3/(N m)]", "run-in [um]", "largest depth [um]", "mean [um]")
         return (
             Table("Typical course", tuple(heading for _, heading in self.columns), self.records),
-            Table("Surfaces (5, 50, 95 %; depths at the end of the typical course)", headings, surfaces),
+            Table("Surfaces (5, 50, 95 %; depths at the end of the typical course)", headings, surface_rows),
         )
 
     def as_json(self) -> dict[str, Any]:
         """Convert lives [h], lost motion over time [arcmin], recorded rows and worn surfaces to JSON values.
 
         ``accuracy_life_h`` and ``accuracy_life_interval_h`` are the lives; an unlimited life is None. ``courses`` has
-        hours and lost motion of each case, ``records`` accuracy, forces and wear depths at several times, and
-        ``surfaces`` the worn surfaces.
+        hours and lost motion of each case, ``records`` a dict of accuracy, forces and wear depths, such as
+        ``te_arcsec``, for each recorded time, and ``surfaces`` the worn surfaces.
         """
         content = {
             "design": self.design,
@@ -337,10 +337,10 @@ def wear(
         The crank does not turn, or no surface of the drive slides; the new drive has no static equilibrium.
     """
     reducer = reducer_of(resolve(design))
-    for name, value in (("hours", hours), ("growth", growth)):
-        if not 0.0 < value < math.inf:
+    for name, argument in (("hours", hours), ("growth", growth)):
+        if not 0.0 < argument < math.inf:
             raise UsageError(
-                f"the argument {name} of the wear study is {value:g}, which is out of range: give a finite number "
+                f"the argument {name} of the wear study is {argument:g}, which is out of range: give a finite number "
                 "greater than 0"
             )
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
@@ -429,20 +429,20 @@ class _Log:
             return
         torque = max(abs(point.torque) for point in self._drive.points)
         quantities = quick_sheet(state.reducer, torque).quantities
-        forces = {
+        force_columns = {
             key: (f"{key}_n", f"{key.removesuffix('_peak_force').replace('_', ' ')} [N]")
             for key in quantities
             if key.endswith("_peak_force")
         }
-        depths = [1e6 * float(depth.max()) for depth in state.depths.values()]
+        largest_depths = [1e6 * float(depth.max()) for depth in state.depths.values()]
         depth_columns = (
             (f"{item.key}_depth_um", f"{item.key.replace('_', ' ')} [um]") for item in self._drive.surfaces
         )
-        columns = {**SHEET_COLUMNS, **forces}
+        columns = {**SHEET_COLUMNS, **force_columns}
         first_columns = (("hours", "time [h]"), ("lost_motion_arcmin", "lost motion [arcmin]"))
         self._columns = (*first_columns, *columns.values(), *depth_columns)
         values = (quantities[key].value for key in columns)
-        self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
+        self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *largest_depths))
 
     def result(self, duty: Duty) -> WearLife:
         """Return the lost motion by case, the stored records and the worn surfaces that are computed so far.

@@ -83,8 +83,8 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
     samples with the largest mean logarithm of the force are returned, numbered from 0; none if the reducers have no
     tolerances or no sample has a static equilibrium.
     """
-    numbers = range(SETTINGS.samples)
-    forces = [force for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
+    sample_numbers = range(SETTINGS.samples)
+    forces = [force for reducer in reducers if (force := _tooth_forces(reducer, sample_numbers)) is not None]
     log_ratios = [np.log(force / np.nanmedian(force)) for force in forces if np.isfinite(force).any()]
     if not log_ratios:
         return ()
@@ -109,22 +109,24 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
     return numbers[int(descending_order[max(larger_count, 0)])]
 
 
-def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force over a turn at the nominal torque [N] of the tolerance samples in `numbers`.
+def _tooth_forces(reducer: Reducer, sample_numbers: Sequence[int]) -> Array | None:
+    """Compute the largest tooth force over a turn at the nominal torque [N] of some tolerance samples.
 
-    A sample is a random drive; the result has the shape (numbers,). The force is NaN for a sample without static
-    equilibrium. Return None if the design has no tolerances.
+    `sample_numbers` are their numbers, and the result has as many elements. The force is NaN for a sample without
+    static equilibrium. Return None if the design has no tolerances.
     """
     if not (zones := tolerance_zones(reducer)):
         return None
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    selected_samples = Samples(**{field.name: getattr(samples, field.name)[list(numbers)] for field in fields(samples)})
+    selected_samples = Samples(
+        **{field.name: getattr(samples, field.name)[list(sample_numbers)] for field in fields(samples)}
+    )
     return compute_sampled(reducer, selected_samples, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
 
 
-def _rank(count: int) -> int:
+def _rank(sample_count: int) -> int:
     """Return the index of the percentile among so many sorted samples."""
-    return math.ceil(0.01 * SETTINGS.percentile * count) - 1
+    return math.ceil(0.01 * SETTINGS.percentile * sample_count) - 1
 
 
 @once
@@ -162,10 +164,10 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    numbers, selection_text = _select_critical_samples(values_by_figure, FORCES, usable_numbers)
+    sample_numbers, selection_text = _select_critical_samples(values_by_figure, FORCES, usable_numbers)
     return RatedSamples(
-        numbers,
-        tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),
+        sample_numbers,
+        tuple(sample_design(reducer, zones, SETTINGS.seed, sample_number) for sample_number in sample_numbers),
         f"{selection_text}, of which {int(jams.sum())} jam",
         jams,
         values_by_figure["backlash_arcmin"],
@@ -174,11 +176,15 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
 
 def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
     """Return `select_rated_samples` of an RV reducer with tolerances; none of its samples jams."""
-    count = SETTINGS.samples
-    forces = rv_samples.compute_rv_forces(reducer, count, SETTINGS.seed, SETTINGS.rv_angles)
-    numbers, selection_text = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
-    designs = tuple(rv_samples.draw_rv_drive(reducer, SETTINGS.seed, number)[0] for number in numbers)
-    return RatedSamples(numbers, designs, selection_text, np.zeros(count, dtype=bool), np.full(count, math.nan))
+    sample_count = SETTINGS.samples
+    forces = rv_samples.compute_rv_forces(reducer, sample_count, SETTINGS.seed, SETTINGS.rv_angles)
+    sample_numbers, selection_text = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(sample_count))
+    designs = tuple(
+        rv_samples.draw_rv_drive(reducer, SETTINGS.seed, sample_number)[0] for sample_number in sample_numbers
+    )
+    return RatedSamples(
+        sample_numbers, designs, selection_text, np.zeros(sample_count, dtype=bool), np.full(sample_count, math.nan)
+    )
 
 
 def _select_critical_samples(

@@ -314,7 +314,7 @@ def _rating_rows(
     design = reducer.design
     speed = design.drive.speed
     condition = f"{describe_speed(reducer)} input"
-    bearing_torque, bearing = rated_torque(reducer, speed, life, is_bearing_life)
+    bearing_torque, bearing_item = rated_torque(reducer, speed, life, is_bearing_life)
     (rated_value, weakest_item), (momentary_value, stop_item) = rated_limit, momentary_limit
     acceleration_torque, strength_item = min(
         rated_torque(reducer, speed, life, is_strength, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol),
@@ -335,7 +335,7 @@ def _rating_rows(
             "Rated torque of the bearings alone",
             bearing_torque,
             "N m",
-            note=f"{life:g} h, {condition}; limited by {bearing.name}",
+            note=f"{life:g} h, {condition}; limited by {bearing_item.name}",
         ),
         Quantity(
             "acceleration_torque",
@@ -388,9 +388,10 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
 
 
 def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return the data-sheet rows of backlash, lost motion, stiffness, transmission error and hysteresis loss.
+    """Return the data-sheet rows of backlash, lost motion, torsional stiffness, transmission error and hysteresis loss.
 
-    `static` is the data sheet computed by statics at the nominal torque.
+    Stiffness is in [N m/arcmin], the peak-to-peak transmission error in [arcsec], the others in [arcmin]. `static` is
+    the data sheet computed by statics at the nominal torque.
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -420,7 +421,7 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     film_condition = "with seals, and grease in the cams, without bearings of shaft and output"
     contact_note = f"{film_condition}{film_note}" if design.has_film else "without seals, grease and bearings"
     contact_efficiency = sheet_part(warm_reducer, "losses", design.rated_torque)["efficiency"]
-    housing = rate_at_rated_load(reducer).items["temperature"]
+    housing_item = rate_at_rated_load(reducer).items["temperature"]
     ambient, cooling_text = design.service.ambient_temperature, f"{describe_cooling(design)}, {describe_duty(design)}"
     return (
         _drive_efficiency(reducer, warm_reducer, f"{condition}, all bearings included"),
@@ -439,7 +440,11 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         ),
         figure_row(reducer, "starting_torque_nm", "Starting torque", f"{contact_note}; on the crank"),
         Quantity(
-            "temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, {cooling_text}"
+            "temperature_rise",
+            "Temperature rise",
+            housing_item.value - ambient,
+            "K",
+            note=f"{condition}, {cooling_text}",
         ),
         *_thermal_rows(reducer),
     )
@@ -501,7 +506,8 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the data-sheet rows of the output bearings: tilting moment, tilting stiffness, radial load and axial load.
 
-    The loads are limits: each may act together with the nominal torque, except the axial load, which acts alone.
+    Moment [N m] and loads [N] are limits: each may act together with the nominal torque, except the axial load, which
+    acts alone. The radial load acts on the face of the flange. The stiffness is in [N m/arcmin].
     """
     bearings, torque_text = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     return (

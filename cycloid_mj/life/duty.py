@@ -87,16 +87,16 @@ def turning_points(duty: Duty, design: Design, effect: str) -> tuple[DutyPoint, 
         One of them has no torque.
     """
     points = tuple(point for point in duty.points if point.speed)
-    shaft, speed = ("sun gear", 2295) if design.layout == "rv" else ("crank", 1640)
+    shaft_name, example_speed = ("sun gear", 2295) if design.layout == "rv" else ("crank", 1640)
     if not all(point.torque for point in points):
         raise UsageError(
-            f"{design.name}: the torque of the duty is 0 N m while the {shaft} turns, which is not allowed. Use a "
+            f"{design.name}: the torque of the duty is 0 N m while the {shaft_name} turns, which is not allowed. Use a "
             "small torque for an idling drive, or the speed 0 for a rest"
         )
     if not points:
         raise DesignError(
-            f"{design.name}: drive.speed_rpm is 0, but {effect} only if the {shaft} turns: set a speed other than 0, "
-            f"such as {speed} rpm"
+            f"{design.name}: drive.speed_rpm is 0, but {effect} only if the {shaft_name} turns: set a speed other "
+            f"than 0, such as {example_speed} rpm"
         )
     return points
 
@@ -121,7 +121,7 @@ def read_duty(path: Path, peak_torque: float | None = None) -> Duty:
     """
     try:
         with note_input(path).open(newline="", encoding="utf-8-sig") as file:
-            lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _has_values(line)]
+            lines = [(line_number, _cells(line)) for line_number, line in enumerate(file, start=1) if _has_values(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(
             f"cannot read the duty cycle {path}: {reason(error)}. Choose a CSV file with the columns "
@@ -136,19 +136,22 @@ def read_duty(path: Path, peak_torque: float | None = None) -> Duty:
         )
     if len(lines) == 1:
         raise UsageError(f"{path}: the duty cycle has no points. Add one line per point: {','.join(COLUMNS)}")
-    points = [_parse_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
-    total = sum(point.share for point in points)
-    if not total > 0.0:
+    points = [
+        _parse_point(f"{path}, line {line_number}", dict(zip(header, row, strict=False)))
+        for line_number, row in lines[1:]
+    ]
+    share_sum = sum(point.share for point in points)
+    if not share_sum > 0.0:
         raise UsageError(
-            f"{path}: the column `share` sums to {total:g}, but the sum must be greater than 0. Enter a positive share "
-            "for at least one point"
+            f"{path}: the column `share` sums to {share_sum:g}, but the sum must be greater than 0. Enter a positive "
+            "share for at least one point"
         )
     if not any(point.speed and point.share for point in points):
         raise UsageError(
             f"{path}: the crank never turns. Enter a speed_rpm other than 0 for at least one point with a positive "
             "share"
         )
-    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak_torque)
+    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / share_sum) for point in points), peak_torque)
 
 
 def _has_values(line: str) -> bool:
@@ -169,16 +172,16 @@ def _parse_point(location: str, row: dict[str, str]) -> DutyPoint:
     UsageError
         A value is not allowed; the message begins with the row's `location`, file and line.
     """
-    values = {}
+    value_by_column = {}
     for column in COLUMNS:
         text = row.get(column, "")
         try:
-            values[column] = float(text)
+            value_by_column[column] = float(text)
         except ValueError as error:
             raise UsageError(f"{location}: {column} is {text!r}, which is not a number. Correct this value") from error
-        if not math.isfinite(values[column]):
+        if not math.isfinite(value_by_column[column]):
             raise UsageError(f"{location}: {column} is {text!r}, but must be finite. Correct this value")
-    torque, speed, share = values.values()
+    torque, speed, share = value_by_column.values()
     if not abs(speed) < MAX_SPEED:
         raise UsageError(f"{location}: speed_rpm is {speed:g}, but must be less than {MAX_SPEED:g}. Reduce this speed")
     if share < 0.0:

@@ -180,13 +180,18 @@ class _Loads:
         arm = eccentricity * design.lobes * np.sin(angle) / relative_distance
         pin_arm = sizes.circle_out[:, None] * np.sin(angle)
         series_factor = 0.5 if design.ring.has_sockets else 1.0
-        play = design.clearance.pin_gear + design.pin_play
+        tooth_clearance = design.clearance.pin_gear + design.pin_play
         line_stiffness = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending_stiffness = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
         bending_stiffness = bending_stiffness / _stack(sizes, design) ** 3
         contacts_per_angle = np.full(len(sizes), 0.5 * tooth_count / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
-        tooth_springs = arm, contacts_per_angle[0], series_factor * LINE_STIFFNESS * modulus * sizes.face, play
+        tooth_springs = (
+            arm,
+            contacts_per_angle[0],
+            series_factor * LINE_STIFFNESS * modulus * sizes.face,
+            tooth_clearance,
+        )
         pin_springs = (
             pin_arm,
             contacts_per_angle[1],
@@ -227,8 +232,8 @@ class _Loads:
             * (tooth_force * np.abs(circle_radius * relative_distance - pin_radius)).sum(axis=1)
             * speed
             / disc_share,
-            np.min(np.where(path_radius > 0.0, path_radius - pin_radius - play, np.inf), axis=1) > 0.0,
-            play,
+            np.min(np.where(path_radius > 0.0, path_radius - pin_radius - tooth_clearance, np.inf), axis=1) > 0.0,
+            tooth_clearance,
             arm.max(axis=1),
         )
 

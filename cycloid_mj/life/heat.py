@@ -199,10 +199,10 @@ def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
     ):
         default = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
         yield HeatLimit(name, temperature, source if temperature == default else "of the design file")
-    parts: dict[str, list[str]] = {}
+    parts_by_material: dict[str, list[str]] = {}
     for part in PARTS:
-        parts.setdefault(design.material_of(part).name, []).append(part)
-    for material, part_names in parts.items():
+        parts_by_material.setdefault(design.material_of(part).name, []).append(part)
+    for material, part_names in parts_by_material.items():
         library_entry, name = (
             MATERIALS.get(material),
             f"{' and '.join(part_names)}, {material or 'a material without a name'}",

@@ -44,13 +44,13 @@ def rate_heat(
     else:
         losses = {part: power / share for part, power in steady_state.losses.items()}
         temperature = steady_state.temperatures["housing"]
-    loss = sum(losses.values())
+    total_loss = sum(losses.values())
     area = cooling_area(reducer)
     film_coefficient = heat_transfer_coefficient(reducer, temperature)
     yield RatedItem(
         "power_lost",
         "power lost",
-        loss,
+        total_loss,
         math.nan,
         "W",
         None,
@@ -61,13 +61,13 @@ def rate_heat(
         + (f"; {steady_state.words}" if steady_state else ""),
     )
     highest_temperature, lowest_temperature = (
-        service.ambient_temperature + share * loss / (coefficient * area) for coefficient in STILL_AIR
+        service.ambient_temperature + share * total_loss / (coefficient * area) for coefficient in STILL_AIR
     )
     yield rate_housing_temperature(
         reducer,
         temperature,
         "dT = losses/(h A)" if steady_state is None else "thermal network with the losses at its temperatures",
-        f"{loss:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
+        f"{total_loss:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
         f"at h = {film_coefficient:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C "
         f"at 8 to 15) on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C",
@@ -187,11 +187,11 @@ def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
     )
     if design.layout != RvReducer.LAYOUT:
         return
-    reducer, housing = reducer_of(design), max(state.temperatures["housing"], state.peaks["housing"])
+    reducer, max_housing_temperature = reducer_of(design), max(state.temperatures["housing"], state.peaks["housing"])
     yield rate_housing_temperature(
         reducer,
-        housing,
+        max_housing_temperature,
         "thermal network with the losses of the duty",
-        f"{sum(state.losses.values()):.3g} W at h = {heat_transfer_coefficient(reducer, housing):.3g} W/(m2 K) "
-        f"(assumed); {state.condition}",
+        f"{sum(state.losses.values()):.3g} W at h = "
+        f"{heat_transfer_coefficient(reducer, max_housing_temperature):.3g} W/(m2 K) (assumed); {state.condition}",
     )

@@ -206,7 +206,7 @@ def _rate_all_items(
         temperatures = oil_temperatures(
             reducer, state.temperatures if state else estimate_temperatures(reducer, loadings)
         )
-    by_kind = {
+    items_by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak, temperatures),
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),
         ItemKind.STRENGTH: rate_strength(reducer, worst_loading, ranges),
@@ -214,9 +214,9 @@ def _rate_all_items(
         ItemKind.HEAT: chain(rate_heat(reducer, loadings, state), rate_jam_difference(reducer, loadings, state)),
     }
     if with_stops:
-        by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst_loading)
-        by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst_loading)
-    items = [replace(item, kind=kind) for kind, rated_items in by_kind.items() for item in rated_items]
+        items_by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst_loading)
+        items_by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst_loading)
+    items = [replace(item, kind=kind) for kind, rated_items in items_by_kind.items() for item in rated_items]
     return items, max(loading.work for loading in loadings)
 
 

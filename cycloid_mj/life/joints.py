@@ -487,8 +487,8 @@ def _rate_glued_shaft(
     """
     on_plastic = _material(reducer, names.SHAFT).is_plastic
     slip_torque = 0.5 * diameter * strength.glued_force(diameter, length, on_plastic)
-    size = f"{1e3 * diameter:.4g} x {1e3 * length:.4g} mm"
-    note = f"assumed: {adhesive_of(on_plastic)} on {size}; no key or clamp is drawn"
+    size_text = f"{1e3 * diameter:.4g} x {1e3 * length:.4g} mm"
+    note = f"assumed: {adhesive_of(on_plastic)} on {size_text}; no key or clamp is drawn"
     return torque_item(*key_and_name, torque, slip_torque, PLASTIC_GLUE_SOURCE if on_plastic else GLUE_SOURCE, note)
 
 
@@ -809,8 +809,8 @@ def _describe_fit(zones: str, interference: float, pressure: float) -> str:
 def fit_code(fit_text: str) -> str:
     """Return the fit code of a hole and a shaft, such as ``H7/m6``, from a text such as ``m6 in H7``."""
     pairs = _ZONES.findall(fit_text)
-    hole, shaft = (next(pair[side] for pair in pairs if pair[side]) for side in (0, 1))
-    return f"{hole}/{shaft}"
+    hole_zone, shaft_zone = (next(pair[side] for pair in pairs if pair[side]) for side in (0, 1))
+    return f"{hole_zone}/{shaft_zone}"
 
 
 def _material(reducer: Reducer, part: str) -> Material:

@@ -345,14 +345,14 @@ def tooth_phases(reducer: Reducer, crank: Array) -> Array:
     `crank` are m crank angles [rad], shape (m,). The contacts are those of the ring: all pins for each disc and each
     half of the ring.
     """
-    pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
-    phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
+    pin_angles = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
+    phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pin_angles
     return np.asarray(phases.reshape(len(crank), -1))
 
 
-def _circle_lengths(radius: float, count: int) -> Array:
+def _circle_lengths(radius: float, circle_count: int) -> Array:
     """Compute the arc of several circles of a radius [m] in each of the equal `SECTORS` [m], shape (SECTORS,)."""
-    return np.full(SECTORS, 2.0 * math.pi * radius * count / SECTORS)
+    return np.full(SECTORS, 2.0 * math.pi * radius * circle_count / SECTORS)
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
@@ -361,9 +361,9 @@ def _flank_lengths(reducer: Reducer) -> Array:
     The phase is the angle of a pin from the eccentric. It makes a turn, which has `SECTORS` equal sectors, while the
     contact moves over one lobe. The sum includes all discs.
     """
-    gear, lobes = reducer.gear_profile, reducer.design.lobes
+    gear_profile, lobes = reducer.gear_profile, reducer.design.lobes
     sector_ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes
-    lengths = -np.diff(profile.arc_length(gear, sector_ends, reducer.profile_offset))
+    lengths = -np.diff(profile.arc_length(gear_profile, sector_ends, reducer.profile_offset))
     return np.asarray(reducer.design.gear.discs * lobes * lengths)
 
 
@@ -390,8 +390,8 @@ def _shaft_forces(
         bearing far from the discs or beyond them, and the near bearing.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
-    x, y = cam_forces[..., 0], cam_forces[..., 1]
-    cam_force = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
+    force_x, force_y = cam_forces[..., 0], cam_forces[..., 1]
+    cam_force = np.stack([-(cosine * force_x + sine * force_y), -(cosine * force_y - sine * force_x)], axis=-1)
     properties = mass_properties(crank_solid(reducer))
     unbalance = np.broadcast_to(
         properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)

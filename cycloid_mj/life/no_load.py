@@ -87,10 +87,11 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
     torques = []
-    for factors, count, diameter, speed_ratio in _bearing_torque_terms(reducer):
-        mean, low, high = 0.5 * sum(factors), *factors
-        torque_per_factor = count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
-        torques.append((mean * torque_per_factor, low * torque_per_factor, high * torque_per_factor))
+    for factors, bearing_count, diameter, speed_ratio in _bearing_torque_terms(reducer):
+        torque_per_factor = (
+            bearing_count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
+        )
+        torques.append([factor * torque_per_factor for factor in (0.5 * sum(factors), *factors)])  # mean, low, high
     preload_torque = _preload_torque(reducer, crank_speed)
     bearing_torque, low, high = (preload_torque + sum(column) for column in zip(*torques, strict=True))
     seal_torque = _seal_torque(reducer, crank_speed)

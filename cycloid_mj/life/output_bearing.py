@@ -107,8 +107,8 @@ class CrossedRollerBearing:
     @property
     def axial(self) -> float:
         """Limit of an axial load alone [N]."""
-        by_life = self.capacity / CROSSED_ROLLERS.axial_factor
-        return min(by_life, self.bearing.static / CROSSED_ROLLERS.static_axial_factor, self.retainer_force)
+        life_limit = self.capacity / CROSSED_ROLLERS.axial_factor
+        return min(life_limit, self.bearing.static / CROSSED_ROLLERS.static_axial_factor, self.retainer_force)
 
     @property
     def rollers(self) -> tuple[float, float]:
@@ -127,10 +127,10 @@ class CrossedRollerBearing:
         At each roller the two rings approach each other by Palmgren's formula. Half of the rollers carry, with forces
         in proportion to the power 1/0.9 of the sine of their angle around the bearing. Rings and seats are rigid.
         """
-        (count, length), cosine = self.rollers, math.cos(CROSSED_ROLLERS.contact_angle)
+        (roller_count, length), cosine = self.rollers, math.cos(CROSSED_ROLLERS.contact_angle)
         radius, moment, power = 0.5 * self.bearing.pitch, 0.5 * self.moment, 1.0 / CROSSED_ROLLERS.load_exponent + 1.0
         mean_sine = math.gamma(0.5 * (power + 1.0)) / (math.sqrt(math.pi) * math.gamma(0.5 * power + 1.0))
-        force = moment / (0.5 * count * mean_sine * cosine * radius)
+        force = moment / (0.5 * roller_count * mean_sine * cosine * radius)
         return moment * radius * cosine / roller_approach(force, length) if moment else 0.0
 
 

@@ -144,8 +144,8 @@ def thrust_ratio(bearing: StockBearing) -> float:
 
     Half of its balls or rollers carry the load.
     """
-    data = TAPERED_ROLLERS if bearing.has_tapered_rollers else BALL_BEARINGS
-    return data.half_loaded_thrust * math.tan(bearing.contact_angle)
+    bearing_data = TAPERED_ROLLERS if bearing.has_tapered_rollers else BALL_BEARINGS
+    return bearing_data.half_loaded_thrust * math.tan(bearing.contact_angle)
 
 
 def pair_thrust(bearing: StockBearing, radial_load: float) -> float:
@@ -212,8 +212,8 @@ def _output_planes(reducer: Reducer, loading: Loading) -> Planes:
     forces = loading.on_output
     if drive_casing.far:
         cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
-        x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
-        hub_force = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+        force_x, force_y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
+        hub_force = -np.stack([cosine * force_x - sine * force_y, sine * force_x + cosine * force_y], axis=1)
         forces = np.concatenate([forces, hub_force[:, np.newaxis]], axis=1)
         planes.append(0.5 * sum(drive_casing.far))
     return Planes(forces, np.array(planes))

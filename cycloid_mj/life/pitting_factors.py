@@ -157,6 +157,14 @@ def lubricated_cycles(cycles: float, factor: float, power: float) -> float:
     """
     if cycles <= STATIC_CYCLES:
         return cycles
-    shift, start, span = (math.log(factor) / power, math.log(STATIC_CYCLES), math.log(FULL_CYCLES / STATIC_CYCLES))
-    log_cycles = (math.log(cycles) - shift * start / span) / (1.0 - shift / span) if shift < span else math.inf
-    return math.exp(log_cycles) if log_cycles < start + span else cycles * factor ** (1.0 / power)
+    log_shift, log_start, log_span = (
+        math.log(factor) / power,
+        math.log(STATIC_CYCLES),
+        math.log(FULL_CYCLES / STATIC_CYCLES),
+    )
+    log_cycles = (
+        (math.log(cycles) - log_shift * log_start / log_span) / (1.0 - log_shift / log_span)
+        if log_shift < log_span
+        else math.inf
+    )
+    return math.exp(log_cycles) if log_cycles < log_start + log_span else cycles * factor ** (1.0 / power)

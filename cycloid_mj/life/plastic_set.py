@@ -121,9 +121,9 @@ def _mean_over_passes(loading: Loading, damage: Array) -> float:
     of them, `damage` of n contacts at m crank angles, (m, n), is averaged over the pins and turns of the crank.
     `loading` has the static forces at a point of the duty cycle.
     """
-    teeth, phases = loading.reducer.design.ring.teeth, tooth_phases(loading.reducer, loading.springs.crank)
+    tooth_count, phases = loading.reducer.design.ring.teeth, tooth_phases(loading.reducer, loading.springs.crank)
     contacts_by_ring = (
-        slice(first_contact, first_contact + teeth) for first_contact in range(0, damage.shape[1], teeth)
+        slice(first_contact, first_contact + tooth_count) for first_contact in range(0, damage.shape[1], tooth_count)
     )
     return max(
         float(sector_means(damage[:, ring_contacts], phases[:, ring_contacts])[0].max())

@@ -64,9 +64,9 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
         str(part.get("part")): StressRange(1e6 * amplitude, 1e6 * mean, abs(load))
         for part in study.get("parts", [])
         if isinstance(part, dict)
-        and (values := part.get("range"))
-        and math.isfinite(amplitude := _number(values.get("amplitude_mpa")))
-        and math.isfinite(mean := _number(values.get("mean_mpa")))
+        and (range_values := part.get("range"))
+        and math.isfinite(amplitude := _number(range_values.get("amplitude_mpa")))
+        and math.isfinite(mean := _number(range_values.get("mean_mpa")))
     }
     if not ranges:
         raise UsageError(f"{file} contains no stress ranges. Run `cycloid-mj stress --design {design.name}` again")

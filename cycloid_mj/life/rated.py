@@ -143,11 +143,13 @@ def _extrapolate_torque_limit(
     return weakest_torque((item for item in items if limits_torque(item.key)), torque, life)
 
 
-def _next_in_bracket(low: float, high: float) -> float:
-    """Return the next torque within a bracket, whose lower end may be 0 and upper end infinite."""
-    if not low:
-        return high / SEARCH.bracket_factor
-    return math.sqrt(low * high) if math.isfinite(high) else SEARCH.bracket_factor * low
+def _next_in_bracket(lower_torque: float, upper_torque: float) -> float:
+    """Return the next torque [N m] within a bracket, whose lower end may be 0 and upper end infinite."""
+    if not lower_torque:
+        return upper_torque / SEARCH.bracket_factor
+    return (
+        math.sqrt(lower_torque * upper_torque) if math.isfinite(upper_torque) else SEARCH.bracket_factor * lower_torque
+    )
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:

@@ -387,7 +387,7 @@ def _rate_planets(
     design's speed [1], shape (points,) each.
     """
     planet, material = reducer.planet, reducer.design.material
-    pitch_radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
+    pitch_radii = [0.5 * planet.module * tooth_count for tooth_count in (planet.sun_teeth, planet.planet_teeth)]
     curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in pitch_radii)
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
     forces = [float(solve_running_equilibrium(reducer, float(torque)).flanks.max()) for torque in torques]

@@ -147,10 +147,10 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
 
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of backlash, lost motion, stiffness and transmission errors, in this order.
+    """Yield the data-sheet rows of backlash, lost motion, torsional stiffness and transmission errors, in this order.
 
-    The transmission errors are that under load, and that by the errors of the parts if the design has any. `static` is
-    the data sheet computed by statics at the nominal torque.
+    The transmission errors, peak to peak, are that under load, and that by the errors of the parts if the design has
+    any. `static` is the data sheet computed by statics at the nominal torque.
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -292,7 +292,7 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     """Compute the rotation of the output [arcmin] over its torque [N m], at a fixed sun and without friction.
 
     `shares` are the positive torques over the nominal torque; the curve also has the same negative torques. A positive
-    torque brakes the drive, and a positive rotation is in its direction.
+    torque opposes the rotation of the running drive; a positive rotation has the direction of a positive torque.
     """
     rotation_sign = float(np.sign(reducer.design.drive.speed))
     torques = reducer.design.rated_torque * np.array([*(-np.array(shares[::-1])), *shares])

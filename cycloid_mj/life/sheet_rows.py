@@ -201,9 +201,8 @@ def _torque_row(
 def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
     """Compute a no-load torque by the friction of the contacts alone [N m], at a temperature of the parts [°C].
 
-    `key` selects the running, starting or back-driving torque; it is the key in the catalogue of quantities. The
-    temperature has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has
-    the reason.
+    `key` is "no_load_torque_nm", "starting_torque_nm" or "back_driving_torque_free_nm". The temperature has an effect
+    with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has the reason.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)
@@ -212,7 +211,7 @@ def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
 
 
 def _contact_torques_by_speed(reducer: Reducer, speeds: Array, temperature: float) -> Array:
-    """Compute the no-load torque of the contacts [N m] at n speeds of the crank [rad/s], shape (n,).
+    """Compute the no-load torque of the contacts on the crank [N m] at n speeds of the crank [rad/s], shape (n,).
 
     Torques are NaN if the parts jam at the temperature [°C], or where there is no equilibrium.
     """
@@ -292,13 +291,13 @@ def backlash_with_bearings(reducer: Reducer) -> Iterator[Quantity]:
 
     It is the mean over a turn without load, by statics. Yields nothing without such bearings.
     """
-    clearances, added = reducer.design.clearance, bearing_clearances(reducer)
-    if not added:
+    clearances, added_clearances = reducer.design.clearance, bearing_clearances(reducer)
+    if not added_clearances:
         return
-    total = {key: getattr(clearances, key) + play for key, (_, play) in added.items()}
-    backlash = sheet_part(reducer.but(clearance=total), "motions")["backlash"]
-    plays = ", ".join(f"{key} {1e6 * play:.3g} um ({fit})" for key, (fit, play) in added.items())
-    note = f"without load, mean over a turn; mean radial play of needles and rollers added: {plays}"
+    total_clearances = {key: getattr(clearances, key) + play for key, (_, play) in added_clearances.items()}
+    backlash = sheet_part(reducer.but(clearance=total_clearances), "motions")["backlash"]
+    play_text = ", ".join(f"{key} {1e6 * play:.3g} um ({fit})" for key, (fit, play) in added_clearances.items())
+    note = f"without load, mean over a turn; mean radial play of needles and rollers added: {play_text}"
     yield with_name(replace(backlash, key="backlash_with_bearings"), "Backlash, with bearings", note)
 
 

@@ -133,9 +133,11 @@ class SteadyState:
     @property
     def words(self) -> str:
         """Temperatures at which the losses were computed, as a condition of results."""
-        text = ", ".join(f"{part} {value:.3g}" for part, value in self.warm_temperatures.items() if part != "housing")
+        temperature_text = ", ".join(
+            f"{part} {temperature:.3g}" for part, temperature in self.warm_temperatures.items() if part != "housing"
+        )
         beyond = {"": "", NO_AGREEMENT: ", not converged"}.get(self.obstacle, f", beyond which {self.obstacle}")
-        return f"steady temperatures: {text} °C{beyond}"
+        return f"steady temperatures: {temperature_text} °C{beyond}"
 
 
 def solve_steady_state(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> SteadyState:
@@ -177,7 +179,7 @@ def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dic
     drive fails by heat, not by the life of its bearings.
     """
     max_temperature = min(limit.temperature for limit in heat_limits(reducer))
-    return {part: min(value, max_temperature) for part, value in temperatures.items()}
+    return {part: min(temperature, max_temperature) for part, temperature in temperatures.items()}
 
 
 def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
@@ -240,10 +242,11 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
         if max(abs(target_temperatures[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
             obstacle = ""
             break
-        step = 1.0
-        while step >= settings.smallest_step and rounds_left > 1:
+        step_share = 1.0
+        while step_share >= settings.smallest_step and rounds_left > 1:
             next_temperatures = {
-                part: value + step * (target_temperatures[part] - value) for part, value in temperatures.items()
+                part: temperature + step_share * (target_temperatures[part] - temperature)
+                for part, temperature in temperatures.items()
             }
             obstacle = _find_obstacle(reducer.design, next_temperatures, settings)
             if not obstacle:
@@ -252,7 +255,7 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
                     break
                 except CycloidError:
                     obstacle = NO_EQUILIBRIUM if reducer.design.layout == RvReducer.LAYOUT else JAM
-            step *= 0.5
+            step_share *= 0.5
         else:
             break
         temperatures, obstacle = next_temperatures, NO_AGREEMENT

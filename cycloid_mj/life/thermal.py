@@ -133,7 +133,7 @@ def _follow_clearances(design: Design, course: TemperatureCourse) -> list[Tighte
     """Compute tooth play [m], tightest pair and temperature rises [K] at each time of a warm-up and a steady cycle.
 
     The result has an item for each time, not only for the tightest. `course` has the temperature rises over time, and
-    those over a cycle of the duty in the periodic state. The times of this cycle are stated as the end of the warm-up.
+    those over a cycle of the duty in the periodic state; all items of this cycle have the time of the warm-up's end.
     """
     ambient = design.service.ambient_temperature
     moments = []
@@ -198,7 +198,7 @@ def _limit_in_cycles(
 
     @cache
     def tightest_margin(factor: float) -> tuple[float, str]:
-        """Return the smallest margin in time and its limit in words, for the duty scaled by a factor."""
+        """Return the smallest margin [1] at any time and its limit in words, for the duty scaled by a factor."""
         points = tuple(replace(point, **scale_point(point, factor)) for point in duty.points)
         scaled_duty = replace(duty, points=points)
         steady_state = solve_steady_state(reducer, scaled_duty, settings)

@@ -72,7 +72,7 @@ class RiseLimit:
 def find_rise_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings = SETTINGS) -> RiseLimit:
     """Find the factor on temperature rises of the parts over the air [K] at which the first thermal limit is reached.
 
-    `settings` are those of the thermal computation.
+    The result also has this limit in words, and the rises there. `settings` are those of the thermal computation.
     """
     from scipy.optimize import brentq
 
@@ -129,7 +129,7 @@ class ScaleSearch:
     largest: float
 
     def solve(self, start: ScaleLimit) -> ScaleLimit:
-        """Return the largest factor, searched from an estimate of factor and temperature rises at the limit."""
+        """Find the largest factor and the thermal limit that is then reached, from `start`, an estimate of both."""
         from scipy.optimize import minimize_scalar
 
         at_limit = self._solve_level(1.0, start)
@@ -151,9 +151,10 @@ class ScaleSearch:
         return ScaleLimit(max(-float(best.fun), at_limit.factor), at_limit.limit)
 
     def _find_limit(self, scale: float, level: float, limit_rises: Mapping[str, float]) -> RiseLimit:
-        """Return the limit of the temperature rises that the losses cause at a factor `scale` on the duty.
+        """Return the thermal limit of the temperature rises that the losses cause at a factor `scale` on the duty.
 
-        The losses are those at a `level` [1] of the rises at the limit, `limit_rises` [K].
+        The losses are computed at `level` [1] times `limit_rises`, the temperature rises at the limit [K]. The factor
+        of the result is that on the rises which these losses cause.
         """
         ambient, share = self.reducer.design.service.ambient_temperature, min(level, self.settings.approach)
         points = self.scale_duty(scale)
@@ -163,7 +164,7 @@ class ScaleSearch:
         return find_rise_limit(self.reducer, network.rises(heat), self.settings)
 
     def _solve_level(self, level: float, start: ScaleLimit) -> ScaleLimit:
-        """Solve for the factor whose losses cause temperatures at a `level` [1] of the rises at the limit.
+        """Solve for the factor on the duty whose losses cause `level` [1] times the temperature rises at the limit.
 
         The secant method in the logarithms of factor and rises is combined with the fixed point of the temperatures at
         the limit, whose distribution over the parts depends on the factor. `start` is the first estimate.
@@ -239,7 +240,9 @@ def _running_points(reducer: Reducer, duty: Duty) -> tuple[DutyPoint, ...]:
 
 @once
 def find_torque_factor(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> ScaleLimit:
-    """Find the largest factor on all torques of a duty at which its mean losses exceed no thermal limit.
+    """Find the largest factor on all torques of a duty at which the steady temperatures exceed no thermal limit.
+
+    Temperatures are those of the mean losses. The result also has the limit that is then reached.
 
     The reducer is at 20 °C; errors as `solve_steady_state`.
     """
@@ -272,7 +275,7 @@ def find_duty_torques(reducer: Reducer, duty: Duty, settings: ThermalSettings = 
 
 
 def _torque_search(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> ScaleSearch:
-    """Return the search for the largest factor on the torques of a duty, by its mean losses."""
+    """Return the search for the largest factor on the torques of a duty, whose mean losses set the temperatures."""
     nominal_factor = max(1.0, reducer.design.rated_torque / max(abs(point.torque) for point in points))
     running = sum(point.share for point in points)
     return ScaleSearch(

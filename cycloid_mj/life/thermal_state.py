@@ -138,9 +138,10 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures [°C], their differences [K], tooth play [um], losses [W] and thermal limits, by key.
+        """Return temperatures [°C], their differences [K], tooth play [um], losses [W] and thermal limits.
 
-        The limits by strength and bearings follow those by heat. Quantities that are not known are left out.
+        The keys are such as "temperature_disc_c" and "thermal_torque_nm". The limits by strength and bearings follow
+        those by heat. Quantities that are not known are left out.
         """
         speed_note = ", by heat alone" if self.speed > self.bearing_speed else ""
         rows = [

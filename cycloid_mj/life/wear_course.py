@@ -90,14 +90,14 @@ class WearingDrive:
 
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
-        """Return material, wear coefficient and run-in depth of each wearing surface, by the key of the surface."""
+        """Return material, wear coefficient and run-in depth of each wearing surface, by its key, such as "flank"."""
         design = self.reducer.design
         laws = {}
         for surface in self.surfaces:
             material = design.material_of(surface.part)
-            name = material.name or design.material_table(surface.part)
-            values = (get_value(design.service, material) for get_value in (wear_coefficient, run_in_depth))
-            laws[surface.key] = WearLaw(name, *values)
+            material_name = material.name or design.material_table(surface.part)
+            intervals = (get_value(design.service, material) for get_value in (wear_coefficient, run_in_depth))
+            laws[surface.key] = WearLaw(material_name, *intervals)
         return laws
 
     @cached_property
@@ -128,7 +128,7 @@ class WearingDrive:
         """Compute pressure times sliding distance per time [Pa m/s] in each cell of each wearing surface.
 
         A cell is a small interval along the surface. `worn_reducer` has the gaps of the worn parts. The rates are means
-        over the duty, shape (cells,), by the key of the surface.
+        over the duty, shape (cells,), by the key of the surface, such as "flank".
 
         Raises
         ------
@@ -146,7 +146,8 @@ class WearingDrive:
 def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Contacts, SlidingContacts]:
     """Solve for forces, sliding speeds and positions of the contacts by kind of gap, at m crank angles [rad], (m,).
 
-    The keys are those of `sliding_contacts`. `load` [N m] is the torque that opposes the rotation of the output.
+    The keys are those of `sliding_contacts`, such as "flank". `load` [N m] is the torque that opposes the rotation of
+    the output.
     """
     if isinstance(reducer, RvReducer):
         return rv_sliding_contacts(reducer, crank, load)

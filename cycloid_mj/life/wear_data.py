@@ -105,8 +105,9 @@ RUN_IN = RunIn()
 def wear_coefficient(service: Service, material: Material) -> Interval:
     """Return the coefficient of wear of a surface [m3/(N m)] with its 5 and 95 % percentiles.
 
-    `service` is that table of the design, `material` is that of the surface. A coefficient in the design file has a
-    tenth and ten times of it as percentiles. Otherwise the kind of material determines coefficient and percentiles.
+    `service` is the table of that name of the design, `material` is that of the surface. A coefficient in the design
+    file has a tenth and ten times of it as percentiles. Otherwise the kind of material determines coefficient and
+    percentiles.
     """
     stated_coefficient = service.wear_coefficient
     if stated_coefficient != Service.model_fields["wear_coefficient"].default:
@@ -119,9 +120,14 @@ def wear_coefficient(service: Service, material: Material) -> Interval:
 
 def run_in_depth(service: Service, material: Material) -> Interval:
     """Return the depth that run-in removes from a surface [m]: that of the design file, or of its kind of material."""
-    stated = service.run_in_depth
-    if stated:
-        return Interval(stated / 2.0, stated, 2.0 * stated, "service.run_in_depth_um, within a factor of 2 (assumed)")
+    stated_depth = service.run_in_depth
+    if stated_depth:
+        return Interval(
+            stated_depth / 2.0,
+            stated_depth,
+            2.0 * stated_depth,
+            "service.run_in_depth_um, within a factor of 2 (assumed)",
+        )
     return RUN_IN_DEPTHS["plastic" if material.is_plastic else "metal"]
 
 
@@ -146,8 +152,8 @@ def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
 
 def wear_rate(dose: Array, coefficient: float, run_in: float) -> Array:
     """Compute the derivative of `worn_depth` by the dose [1/Pa], in its shape; parameters as there."""
-    left = 1.0 - _run_in_progress(coefficient * dose, run_in) if run_in else 0.0
-    return np.asarray(coefficient * (1.0 + (RUN_IN.factor - 1.0) * left) * np.ones_like(dose))
+    remaining_share = 1.0 - _run_in_progress(coefficient * dose, run_in) if run_in else 0.0
+    return np.asarray(coefficient * (1.0 + (RUN_IN.factor - 1.0) * remaining_share) * np.ones_like(dose))
 
 
 def _run_in_progress(steady: Array, run_in: float) -> Array:

@@ -380,8 +380,8 @@ def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], r
     depths
         Depth of wear in each cell of the surfaces [m], shape (cells,), by key of the surface.
     rates
-        Rate of wear of the same cells, shape (cells,), by key. These are the weights of the mean depth of a plain cam,
-        because only its loaded side determines the clearance.
+        Pressure times sliding distance per time in the same cells [Pa m/s], shape (cells,), by key. These are the
+        weights of the mean depth of a plain cam, because only its loaded side determines the clearance.
     """
     gaps_by_angle = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
     cam_gap = 0.0
