@@ -74,8 +74,8 @@ def check(design: Named) -> Checks:
         for feasibility_check in feasibility_checks
     ):
         return Checks(feasibility_checks)
-    margins = evaluate(reducer, margin_rules(reducer))
-    quality_checks = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
+    margin_checks = evaluate(reducer, margin_rules(reducer))
+    quality_checks = (*disc_checks(reducer), *margin_checks, *tolerance_checks(reducer), *strength_checks(reducer))
     return Checks((*feasibility_checks, *quality_checks, *casing_checks(reducer)))
 
 
@@ -114,6 +114,6 @@ def shape_checks(reducer: Reducer) -> Iterator[Check]:
 
 def require_sound(reducer: Reducer) -> None:
     """Raise DesignError with a line for each failed check of `soundness`; warnings do not count."""
-    failed = Checks(soundness(reducer)).failures
-    if failed:
-        raise DesignError(f"the design {reducer.design.name!r} cannot be built:", map(str, failed))
+    failures = Checks(soundness(reducer)).failures
+    if failures:
+        raise DesignError(f"the design {reducer.design.name!r} cannot be built:", map(str, failures))

@@ -72,21 +72,21 @@ def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, C
     if tried_changes == check.changes:
         return check
     keys = dict.fromkeys(key for change in check.changes for key in change)
-    texts = [describe_change(reducer, change) for change in tried_changes] or [
+    remedy_texts = [describe_change(reducer, change) for change in tried_changes] or [
         f"no change of a single key is enough: change {' and '.join(keys)} together with what depends on them"
     ]
     *_, last_alternative = check.remedy.split(", or ")
     if not any(key in last_alternative for key in keys):  # such as "lower the errors"
-        texts.append(last_alternative)
-    return replace(check, remedy=", or ".join(texts), changes=tried_changes)
+        remedy_texts.append(last_alternative)
+    return replace(check, remedy=", or ".join(remedy_texts), changes=tried_changes)
 
 
 def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
     """Yield changes without those that came before."""
-    seen: list[Change] = []
+    earlier_changes: list[Change] = []
     for change in changes:
-        if change not in seen:
-            seen.append(change)
+        if change not in earlier_changes:
+            earlier_changes.append(change)
             yield change
 
 
@@ -162,20 +162,22 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
     `applied_change` maps the key to its value so far, with which `failed_check` fails. Return the key with its new
     value, rounded to four digits, or None if the check never passes.
     """
-    ((key, value),) = applied_change.items()
+    ((key, applied_value),) = applied_change.items()
     original_value = value_of(reducer.design, key)
-    is_decrease, is_integer = value < original_value, isinstance(original_value, int)
+    is_decrease, is_integer = applied_value < original_value, isinstance(original_value, int)
     convert = int if is_integer else float
 
     def passes(candidate: float) -> bool:
         checks_after = quick_checks(reducer, {key: candidate})
         return bool(checks_after and failed_check.name in checks_after and checks_after[failed_check.name].passed)
 
-    failing_value = value
+    failing_value = applied_value
     for relative_step in ADVICE.strides:
         passing_value = convert(
             round_beyond(
-                value / (1.0 + relative_step) if is_decrease else value * (1.0 + relative_step), is_decrease, is_integer
+                applied_value / (1.0 + relative_step) if is_decrease else applied_value * (1.0 + relative_step),
+                is_decrease,
+                is_integer,
             )
         )
         if passes(passing_value):
@@ -214,9 +216,13 @@ def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
 
 def describe_change(reducer: Reducer, change: Change) -> str:
     """Describe a change of the design in words, such as ``lower gear.eccentricity_mm to 0.949 or less``."""
-    texts = []
+    change_texts = []
     for key, value in change.items():
         is_lower = value < value_of(reducer.design, key)
-        text = f"{'lower' if is_lower else 'raise'} {key} to {value:.10g}"
-        texts.append(text if key in EXACT_KEYS or len(change) > 1 else f"{text} or {'less' if is_lower else 'more'}")
-    return " and ".join(texts)
+        change_text = f"{'lower' if is_lower else 'raise'} {key} to {value:.10g}"
+        change_texts.append(
+            change_text
+            if key in EXACT_KEYS or len(change) > 1
+            else f"{change_text} or {'less' if is_lower else 'more'}"
+        )
+    return " and ".join(change_texts)

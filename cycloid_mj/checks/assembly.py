@@ -28,16 +28,16 @@ def assembly_checks(reducer: Reducer) -> Iterator[Check]:
 def _check_pins_in_sockets(reducer: Reducer) -> Check:
     """Return the check that the free ring pin with the largest radius is smaller than its socket."""
     radius_errors = reducer.deviations.pin_radius
-    thickest_pin = int(np.argmax(radius_errors))
+    thickest_index = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
-    is_passed = bool(radius_errors[thickest_pin] < play)
-    value_text, limit = value_and_limit(float(radius_errors[thickest_pin]), "less than", play, MICROMETRE)
-    clearance_limit = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest_pin]))
+    is_passed = bool(radius_errors[thickest_index] < play)
+    value_text, limit_text = value_and_limit(float(radius_errors[thickest_index]), "less than", play, MICROMETRE)
+    clearance_limit = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest_index]))
     return Check(
         name="pin_in_socket",
         passed=is_passed,
-        got=f"{value_text} (pin {thickest_pin + 1})",
-        limit=f"{limit} (clearance.pin_socket_um)",
+        got=f"{value_text} (pin {thickest_index + 1})",
+        limit=f"{limit_text} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
         key="errors.pin_dr_um",
         **single_remedies(reducer, [] if is_passed else [clearance_limit], "lower the errors of the pins"),
@@ -52,7 +52,7 @@ def _check_assembly_gap(reducer: Reducer) -> Check:
     """
     angle_count = min(MAX_POSES, reducer.design.ring.teeth)
     smallest_gap = min(best_fit(reducer, 2 * np.pi * index / angle_count).min_gap for index in range(angle_count))
-    value_text, limit = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
+    value_text, limit_text = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
     limits = [
         Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) - smallest_gap) for pair in pairs
@@ -61,7 +61,7 @@ def _check_assembly_gap(reducer: Reducer) -> Check:
         name="assembly",
         passed=smallest_gap >= 0.0,
         got=f"{value_text} (smallest gap with the disc where it fits best, at the worst crank angle)",
-        limit=limit,
+        limit=limit_text,
         why="errors and modification exceed the clearances: the parts can be assembled by force only",
         severity="warning",
         key="the gap left by errors and modification",

@@ -15,13 +15,12 @@ from cycloid_mj.reducer import Reducer
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
     """Yield the rules (`wall_rule`) for the thickness of the disc's walls, and the check of the radius of its holes.
 
-    In the code, E is the radius of the pin circle and rho that of a ring pin [m]. The walls are those between bore and
-    root of the lobes ("bore"), bore and output holes ("holes_to_bore"), output holes and root ("holes_to_root"), and
-    between neighbouring output holes.
+    In texts, E is the radius of the pin circle. The walls are those between bore and root of the lobes ("bore"), bore
+    and output holes ("holes_to_bore"), output holes and root ("holes_to_root"), and between neighbouring output holes.
     """
     design = reducer.design
-    pin_circle, cam_clearance = design.output.pin_circle_radius, design.clearance.cam
-    E, rho, bore_radius, hole_radius = (
+    output_circle_radius, cam_clearance = design.output.pin_circle_radius, design.clearance.cam
+    E, pin_radius, bore_radius, hole_radius = (
         design.ring.pin_circle_radius,
         design.ring.pin_radius,
         _bore_radius(reducer),
@@ -36,13 +35,15 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
         return (
             Limit("gear.bore_radius", "less than", root_radius - relative_wall * E - cam_clearance),
             Limit("ring.pin_circle_radius", "more than", (bore_radius + root_depth) / (1 - relative_wall)),
-            Limit("ring.pin_radius", "less than", root_radius - relative_wall * E - bore_radius + rho),
+            Limit("ring.pin_radius", "less than", root_radius - relative_wall * E - bore_radius + pin_radius),
         )
 
     def bore_to_holes_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between bore and holes."""
         return (
-            Limit("gear.bore_radius", "less than", pin_circle - hole_radius - relative_wall * E - cam_clearance),
+            Limit(
+                "gear.bore_radius", "less than", output_circle_radius - hole_radius - relative_wall * E - cam_clearance
+            ),
             Limit("output.pin_circle_radius", "more than", bore_radius + relative_wall * E + hole_radius),
         )
 
@@ -50,7 +51,11 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between holes and roots."""
         return (
             Limit("output.pin_circle_radius", "less than", root_radius - relative_wall * E - hole_radius),
-            Limit("ring.pin_circle_radius", "more than", (pin_circle + hole_radius + root_depth) / (1 - relative_wall)),
+            Limit(
+                "ring.pin_circle_radius",
+                "more than",
+                (output_circle_radius + hole_radius + root_depth) / (1 - relative_wall),
+            ),
         )
 
     yield wall_rule("bore", bore_to_root_limits, TEETH.min_wall_share, E, f"between the bore and {root_text}")
@@ -133,8 +138,8 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
     design = reducer.design
     gear, shaft = design.gear, design.shaft
     density_ratio = design.material_of("gear").density / design.material_of("shaft").density
-    area = density_ratio * reducer.disc_section + math.pi * gear.bore_radius**2
-    moment = gear.face_width * gear.eccentricity * area
+    weighted_area = density_ratio * reducer.disc_section + math.pi * gear.bore_radius**2
+    moment = gear.face_width * gear.eccentricity * weighted_area
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
@@ -144,8 +149,8 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
     A smaller hole alone is no remedy, because its radius depends on output-pin radius and eccentricity.
     """
     design = reducer.design
-    output, pin_circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
-    half_pitch = pin_circle * math.sin(math.pi / output.pins)
+    output, output_circle_radius, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
+    half_pitch = output_circle_radius * math.sin(math.pi / output.pins)
 
     def hole_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits of radius, number and circle of the output holes that leave a wall between them.
@@ -155,7 +160,7 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
         needed_radius = _hole_radius(reducer) + relative_wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - relative_wall * E / 2 - design.clearance.output),
-            Limit("output.pins", "less than", circles_on_circle(needed_radius / pin_circle)),
+            Limit("output.pins", "less than", circles_on_circle(needed_radius / output_circle_radius)),
             Limit("output.pin_circle_radius", "more than", needed_radius / math.sin(math.pi / output.pins)),
         )
 

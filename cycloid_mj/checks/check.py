@@ -87,9 +87,9 @@ class Checks(Presented, tuple[Check, ...]):
     @property
     def line(self) -> str:
         """The number of checks, of failures and of warnings, and the names of both."""
-        names = [check.name for check in (*self.failures, *self.warnings)]
+        check_names = [check.name for check in (*self.failures, *self.warnings)]
         summary = f"{len(self)} checks: {self.counts}"
-        return f"{summary} ({', '.join(names)})" if names else summary
+        return f"{summary} ({', '.join(check_names)})" if check_names else summary
 
     @property
     def counts(self) -> str:
@@ -121,9 +121,10 @@ class Checks(Presented, tuple[Check, ...]):
         It is above 1 if the check passes. Checks without number, or with a value or bound of 0, are left out.
         """
         all_values = {check.name: (check.value, check.bound, check.limit.startswith(UPPER)) for check in self}
-        numbers = {
+        usable_values = {
             name: (value, bound, is_upper) for name, (value, bound, is_upper) in all_values.items() if value and bound
         }
         return {
-            name: bound / value if is_upper else value / bound for name, (value, bound, is_upper) in numbers.items()
+            name: bound / value if is_upper else value / bound
+            for name, (value, bound, is_upper) in usable_values.items()
         }

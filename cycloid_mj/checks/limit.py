@@ -141,9 +141,9 @@ def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = 
     text, and no change is returned.
     """
     changes = [limit.change(reducer) for limit in limits]
-    text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+    remedy_text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
     return {
-        "remedy": ", or ".join(filter(None, (text, other_remedy))) if limits else "",
+        "remedy": ", or ".join(filter(None, (remedy_text, other_remedy))) if limits else "",
         "changes": (dict(filter(None, changes)),) if changes and all(changes) else (),
     }
 
@@ -154,9 +154,9 @@ def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = 
     There is one remedy for each limit; each alone is sufficient. `otherwise`, in words, is a further alternative. A
     limit whose value the design file does not allow is left out. Without limits, both text and changes are empty.
     """
-    texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
+    remedy_texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
     return {
-        "remedy": ", or ".join(filter(None, texts)),
+        "remedy": ", or ".join(filter(None, remedy_texts)),
         "changes": tuple(dict([change]) for limit in limits if (change := limit.change(reducer))),
     }
 
@@ -182,21 +182,21 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     Returns
     -------
     tuple of str
-        Value with unit; side and limit with unit.
+        Value with unit, such as "12 um"; side and limit with unit, such as "at most 10 um".
     """
     unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
-    shown_value, limit = unit.from_si(value), unit.from_si(bound)
+    shown_value, shown_limit = unit.from_si(value), unit.from_si(bound)
     digit_count = next(
         (
             candidate_count
             for candidate_count in range(4, LIMIT.full_digits)
-            if decimal(shown_value, candidate_count) != decimal(limit, candidate_count)
+            if decimal(shown_value, candidate_count) != decimal(shown_limit, candidate_count)
         ),
         LIMIT.full_digits,
     )
     return (
         f"{decimal(shown_value, digit_count)} {unit_symbol}".rstrip(),
-        f"{side} {decimal(limit, digit_count)} {unit_symbol}".rstrip(),
+        f"{side} {decimal(shown_limit, digit_count)} {unit_symbol}".rstrip(),
     )
 
 

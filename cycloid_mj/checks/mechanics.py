@@ -105,25 +105,25 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
     The rules for their size are left out if the bolt circle is outside the wall.
     """
     design = reducer.design
-    outer_radius, root_radius, bolt_circle = (
+    outer_radius, root_radius, bolt_circle_radius = (
         design.housing.outer_radius,
         design.ring_root_radius,
         design.bolt_circle_radius,
     )
     lower_limit = Limit("housing.bolt_circle_radius", "more than", root_radius)
-    limit = Limit(lower_limit.key, "less than", outer_radius) if bolt_circle > root_radius else lower_limit
+    limit = Limit(lower_limit.key, "less than", outer_radius) if bolt_circle_radius > root_radius else lower_limit
     explanation = f"the bolts are in the wall between the teeth (out to {millimetres(root_radius)}) and the rim"
     yield Rule("bolt_circle", limit, explanation)
-    max_bolt_radius = min(outer_radius - bolt_circle, bolt_circle - max(root_radius, 0.0))
+    max_bolt_radius = min(outer_radius - bolt_circle_radius, bolt_circle_radius - max(root_radius, 0.0))
     if not max_bolt_radius > 0.0:
         return
     yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", max_bolt_radius), explanation)
     if design.bolt_radius < max_bolt_radius:
         yield Rule(
             "bolts",
-            Limit("housing.bolts", "less than", circles_on_circle(design.bolt_radius / bolt_circle)),
+            Limit("housing.bolts", "less than", circles_on_circle(design.bolt_radius / bolt_circle_radius)),
             "the clamped circles of neighbouring bolts would overlap",
-            (Limit("housing.bolt_radius", "less than", bolt_circle * math.sin(math.pi / design.housing.bolts)),),
+            (Limit("housing.bolt_radius", "less than", bolt_circle_radius * math.sin(math.pi / design.housing.bolts)),),
         )
 
 
@@ -177,15 +177,15 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     and the disc has a feasible shape (`has_shape`), a second check is yielded: that the disc cannot skip a tooth.
     """
     design = reducer.design
-    names = design.pair_kinds
+    pair_kinds = design.pair_kinds
     clearance_sum, max_sum = _total_clearance(reducer)
     value_text, limit_text = value_and_limit(clearance_sum, "at most", max_sum, MICROMETRE)
-    limits = [Limit(f"clearance.{name}", "at most", max_sum / len(names)) for name in names]
+    limits = [Limit(f"clearance.{kind}", "at most", max_sum / len(pair_kinds)) for kind in pair_kinds]
     violated_limits = [] if clearance_sum <= max_sum else [limit for limit in limits if not limit.is_met(reducer)]
     yield Check(
         name="play",
         passed=clearance_sum <= max_sum,
-        got=f"{value_text} ({' + '.join(names)})",
+        got=f"{value_text} ({' + '.join(pair_kinds)})",
         limit=f"{limit_text} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
         severity="warning",
@@ -199,8 +199,8 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
 def _total_clearance(reducer: Reducer) -> tuple[float, float]:
     """Return the sum of the clearances from crank to ring and output, and its assumed maximum [m]."""
     design = reducer.design
-    total = sum(getattr(design.clearance, name) for name in design.pair_kinds)
-    return total, MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
+    clearance_sum = sum(getattr(design.clearance, kind) for kind in design.pair_kinds)
+    return clearance_sum, MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
 
 
 def jumps(reducer: Reducer) -> bool:
@@ -208,8 +208,8 @@ def jumps(reducer: Reducer) -> bool:
 
     Disc and ring must pass their checks; the search stops at the first crank angle where it can.
     """
-    total, usual = _total_clearance(reducer)
-    return total > usual and any(backlash > _half_lobe_rotation(reducer) for backlash in _backlashes(reducer))
+    clearance_sum, max_sum = _total_clearance(reducer)
+    return clearance_sum > max_sum and any(backlash > _half_lobe_rotation(reducer) for backlash in _backlashes(reducer))
 
 
 def _half_lobe_rotation(reducer: Reducer) -> float:
@@ -219,8 +219,8 @@ def _half_lobe_rotation(reducer: Reducer) -> float:
 
 def _backlashes(reducer: Reducer) -> Iterator[float]:
     """Yield the backlash of the output with rigid parts [rad] at each of `MECHANICS.jump_poses` crank angles."""
-    poses = (2.0 * math.pi * pose / MECHANICS.jump_poses for pose in range(MECHANICS.jump_poses))
-    return (widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
+    crank_angles = (2.0 * math.pi * index / MECHANICS.jump_poses for index in range(MECHANICS.jump_poses))
+    return (widest_play(reducer, crank_angle, MECHANICS.jump_sides) for crank_angle in crank_angles)
 
 
 def _check_tooth_skip(reducer: Reducer) -> Check:
@@ -230,16 +230,16 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
     """
     design = reducer.design
     backlash, max_backlash = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
-    value_text, limit = value_and_limit(backlash, "at most", max_backlash, DEGREE)
+    value_text, limit_text = value_and_limit(backlash, "at most", max_backlash, DEGREE)
     factor = (1.0 - MECHANICS.jump_margin) * max_backlash / backlash
     limits = [
-        Limit(f"clearance.{name}", "at most", factor * getattr(design.clearance, name)) for name in design.pair_kinds
+        Limit(f"clearance.{kind}", "at most", factor * getattr(design.clearance, kind)) for kind in design.pair_kinds
     ]
     return Check(
         name="jump",
         passed=backlash <= max_backlash,
         got=f"{value_text} from stop to stop",
-        limit=f"{limit} (half a lobe)",
+        limit=f"{limit_text} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
         key="the backlash of the output",
         **joint_remedy(reducer, [] if backlash <= max_backlash else limits),
@@ -250,7 +250,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
 def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules that the motor has enough power for its torque and speed, and enough torque for the load."""
     design = reducer.design
-    drive, load = design.drive, design.load.torque
+    drive, load_torque = design.drive, design.load.torque
     speed = abs(drive.speed)
     yield Rule(
         "power",
@@ -262,8 +262,10 @@ def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
     max_torque = design.rated_torque * (1.0 + LIMIT.strict_margin)  # the load may be that torque, up to rounding
     yield Rule(
         "load",
-        Limit("load.torque", "at most", max_torque) if load >= 0 else Limit("load.torque", "at least", -max_torque),
+        Limit("load.torque", "at most", max_torque)
+        if load_torque >= 0
+        else Limit("load.torque", "at least", -max_torque),
         f"motor torque times ratio ({design.reduction}) is the limit of a drive without losses",
-        (Limit("drive.torque", "at least", abs(load) / design.reduction),),
+        (Limit("drive.torque", "at least", abs(load_torque) / design.reduction),),
         severity="warning",
     )

@@ -17,19 +17,24 @@ def disc_checks(reducer: Reducer) -> Iterator[Check]:
     A failure is a warning; its remedy is the next larger number of output pins that passes, up to `MAX_OUTPUT_PINS`.
     """
     design = reducer.design
-    discs, pins, lobes = design.gear.discs, design.output.pins, design.lobes
-    if discs == 1:
+    disc_count, pin_count, lobe_count = design.gear.discs, design.output.pins, design.lobes
+    if disc_count == 1:
         return
-    is_passed = are_discs_identical(discs, pins, lobes)
+    is_passed = are_discs_identical(disc_count, pin_count, lobe_count)
     next_pin_count = next(
-        (count for count in range(pins, MAX_OUTPUT_PINS + 1) if are_discs_identical(discs, count, lobes)), 0
+        (
+            count
+            for count in range(pin_count, MAX_OUTPUT_PINS + 1)
+            if are_discs_identical(disc_count, count, lobe_count)
+        ),
+        0,
     )
     yield Check(
         name="identical_discs",
         passed=is_passed,
-        got=f"{pins}, for {lobes} lobes",
-        limit=f"divisible by {discs}, without the factors that {discs} shares with the lobes",
-        why=f"then all {discs} discs are the same part; else each needs its own drawing",
+        got=f"{pin_count}, for {lobe_count} lobes",
+        limit=f"divisible by {disc_count}, without the factors that {disc_count} shares with the lobes",
+        why=f"then all {disc_count} discs are the same part; else each needs its own drawing",
         remedy="" if is_passed or not next_pin_count else f"raise output.pins to {next_pin_count}",
         severity="warning",
         key="output.pins",

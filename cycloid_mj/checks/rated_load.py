@@ -67,23 +67,28 @@ class RatedLoad:
     @property
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal load sharing [1]."""
-        carried = self.reducer.share * self.torque / (self.reducer.design.gear.discs * self.reducer.design.ring.halves)
-        ideal = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
-        return float(self.contact_loads.teeth.max() / ideal.forces.max())
+        torque_per_mesh = (
+            self.reducer.share * self.torque / (self.reducer.design.gear.discs * self.reducer.design.ring.halves)
+        )
+        ideal_sharing = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, torque_per_mesh, self.springs.crank)
+        return float(self.contact_loads.teeth.max() / ideal_sharing.forces.max())
 
     @property
     def loaded_teeth(self) -> float:
         """Mean number of loaded contact lines of a disc with the ring [1]."""
-        loaded = (self.contact_loads.teeth > MIN_SHARE.tooth * self.contact_loads.teeth.max()).sum(axis=1).mean()
-        return float(loaded) / self.reducer.design.gear.discs
+        mean_count = (self.contact_loads.teeth > MIN_SHARE.tooth * self.contact_loads.teeth.max()).sum(axis=1).mean()
+        return float(mean_count) / self.reducer.design.gear.discs
 
     @property
     def pressure_angle(self) -> float:
         """Pressure angle of the tooth forces, averaged by force [rad]."""
-        gear, forces = self.reducer.tooth_profile, self.contact_loads.by_disc(self.contact_loads.teeth)
-        ahead = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
-        B = np.tile(profile.pin_angles(gear), self.reducer.design.ring.halves) + ahead[..., np.newaxis]
-        return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())
+        tooth_profile, forces = self.reducer.tooth_profile, self.contact_loads.by_disc(self.contact_loads.teeth)
+        eccentric_angles = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
+        pin_angles = (
+            np.tile(profile.pin_angles(tooth_profile), self.reducer.design.ring.halves)
+            + eccentric_angles[..., np.newaxis]
+        )
+        return float(np.sum(profile.pressure_angle(tooth_profile, pin_angles) * forces) / forces.sum())
 
 
 @once

@@ -49,8 +49,8 @@ def wall_rule(
     name
         Name of the check.
     limits
-        Function from a wall thickness, relative to `radius` [1], to the limits on keys of the design with which the
-        wall has this thickness. The first limit is that of the checked key; the others are alternative remedies.
+        Function from a wall thickness over `radius` [1] to the limits at which the wall has this thickness, such as a
+        largest value of "gear.bore_radius". The first is that of the checked key; the others are alternative remedies.
     share, radius
         Assumed smallest wall over `radius` [1], and radius of the pin circle [m].
     location

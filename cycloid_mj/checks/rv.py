@@ -53,15 +53,15 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
 
     z_s and z_p are the numbers of teeth of the sun and of a planet.
     """
-    planet, count = reducer.planet, reducer.cranks.count
-    misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
-    meshing_teeth = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
+    planet, planet_count = reducer.planet, reducer.cranks.count
+    misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, planet_count)
+    meshing_teeth = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, planet_count)
     tooth_sum = planet.sun_teeth + planet.planet_teeth
     return Check(
         name="planets_mesh",
         passed=misfit == 0,
         got=f"{planet.sun_teeth} + {planet.planet_teeth} = {tooth_sum} teeth of sun and planet",
-        limit=f"a multiple of {count}, the number of planets",
+        limit=f"a multiple of {planet_count}, the number of planets",
         why="otherwise the teeth of equal planets on equal angles miss the sun's by "
         + (f"{misfit} of a pitch" if misfit else "a part of a pitch"),
         remedy="" if misfit == 0 else "set planet.planet_teeth to " + " or ".join(map(str, meshing_teeth)),
@@ -127,23 +127,25 @@ def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
 def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     """Yield the rules (`wall_rule`) for a disc's walls between lobe roots, crank bores, middle hole and windows."""
     design, cranks = reducer.design, reducer.cranks
-    E, crank_circle, bore_radius = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
+    E, crank_circle_radius, bore_radius = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
     root_radius = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
-    window_radius, post_circle = reducer.window_radius, reducer.post_circle_radius
+    window_radius, post_circle_radius = reducer.window_radius, reducer.post_circle_radius
     window_bore_distance = math.sqrt(
-        crank_circle**2 + post_circle**2 - 2.0 * crank_circle * post_circle * math.cos(math.pi / cranks.count)
+        crank_circle_radius**2
+        + post_circle_radius**2
+        - 2.0 * crank_circle_radius * post_circle_radius * math.cos(math.pi / cranks.count)
     )
     bore_margin = bore_radius - cranks.eccentric_radius
 
-    def wall(name: str, location: str, key: str, max_value: float) -> Rule:
+    def wall(name: str, location: str, key: str, radius_without_wall: float) -> Rule:
         """Return the rule that a wall is at least `TEETH.min_wall_share` of the pin-circle radius thick.
 
-        Its thickness is `max_value` [m] minus the value of the design at `key` [m]. `name` is that of the check, and
-        `location` names the place of the wall in messages, such as "between post and crank".
+        `radius_without_wall` is the value of the design at `key` at which no wall is left [m]. `name` is that of the
+        check, and `location` names the place of the wall in messages, such as "between post and crank".
         """
 
         def wall_limits(relative_wall: float) -> tuple[Limit, ...]:
-            return (Limit(key, "less than", max_value - relative_wall * E),)
+            return (Limit(key, "less than", radius_without_wall - relative_wall * E),)
 
         return wall_rule(name, wall_limits, TEETH.min_wall_share, E, location)
 
@@ -153,13 +155,13 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
         "crank_bores",
         "between the crank bores and the roots of the lobes",
         eccentric_key,
-        root_radius - crank_circle - bore_margin,
+        root_radius - crank_circle_radius - bore_margin,
     )
     yield wall(
         "middle_hole",
         "between the middle hole and the crank bores",
         "cranks.middle_hole_radius",
-        crank_circle - bore_radius,
+        crank_circle_radius - bore_radius,
     )
     yield wall(
         "windows_to_bores",
@@ -171,13 +173,13 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
         "windows_to_root",
         "between the windows and the roots of the lobes",
         post_key,
-        root_radius - post_circle - window_margin,
+        root_radius - post_circle_radius - window_margin,
     )
     yield wall(
         "windows_to_hole",
         "between the windows and the middle hole",
         post_key,
-        post_circle - cranks.middle_hole_radius - window_margin,
+        post_circle_radius - cranks.middle_hole_radius - window_margin,
     )
 
 
@@ -187,9 +189,11 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     The tapered bearings stay clear of the posts and enclose the journals, the eccentrics enclose their axes, bearings
     and posts stay inside of the ring pins, journals inside of the planets' roots, and the planets clear of each other.
     """
-    cranks, crank_circle, post_circle = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
+    cranks, crank_circle_radius, post_circle_radius = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
     crank_post_distance = math.sqrt(
-        crank_circle**2 + post_circle**2 - 2.0 * crank_circle * post_circle * math.cos(math.pi / cranks.count)
+        crank_circle_radius**2
+        + post_circle_radius**2
+        - 2.0 * crank_circle_radius * post_circle_radius * math.cos(math.pi / cranks.count)
     )
     yield Rule(
         "bearing_space",
@@ -211,12 +215,12 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     max_radius = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall
     yield Rule(
         "flange_in_ring",
-        Limit("cranks.taper_radius", "less than", max_radius - crank_circle),
+        Limit("cranks.taper_radius", "less than", max_radius - crank_circle_radius),
         "the flanges, with a wall around the tapered bearings, stay inside the ring pins",
     )
     yield Rule(
         "posts_in_ring",
-        Limit("cranks.post_radius", "less than", max_radius - post_circle),
+        Limit("cranks.post_radius", "less than", max_radius - post_circle_radius),
         "the flanges, with a wall around the posts, stay inside the ring pins",
     )
     yield Rule(
@@ -228,7 +232,7 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         ),
         "the journals of the cranks, in the bores of the planets, stay inside the roots of their teeth",
     )
-    tip_radius, half_spacing = reducer.stage_gears[1].tip_radius, crank_circle * math.sin(math.pi / cranks.count)
+    tip_radius, half_spacing = reducer.stage_gears[1].tip_radius, crank_circle_radius * math.sin(math.pi / cranks.count)
     yield Check(
         name="planets_apart",
         passed=bool(tip_radius < half_spacing),
@@ -248,8 +252,10 @@ def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     if reducer.cranks.main_bearings == "none":
         return
     space, bearing = main_bearing_space(reducer), reducer.main_bearing
-    outsides = (item.outside for item in stock.catalogued_angular_contact_bearings() if space.fits_inside(item))
-    min_radius = min(outsides, default=math.inf) / 2.0 + reducer.flange_wall
+    outside_diameters = (
+        item.outside for item in stock.catalogued_angular_contact_bearings() if space.fits_inside(item)
+    )
+    min_radius = min(outside_diameters, default=math.inf) / 2.0 + reducer.flange_wall
     has_remedy = bearing is None and math.isfinite(min_radius)
     remedies = ['set cranks.main_bearings to "none"']
     if has_remedy:
@@ -285,9 +291,9 @@ def _main_bearing_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
 
 def _post_rule(reducer: RvReducer) -> Rule:
     """Return the rule that the posts stay clear of the windows of the discs, which orbit with the eccentricity."""
-    min_window = reducer.cranks.post_radius + reducer.design.gear.eccentricity
+    min_window_radius = reducer.cranks.post_radius + reducer.design.gear.eccentricity
     is_window_set = reducer.cranks.window_radius > 0.0
-    window_limit = Limit("cranks.window_radius", "more than", min_window)
+    window_limit = Limit("cranks.window_radius", "more than", min_window_radius)
     post_limit = Limit("cranks.post_radius", "less than", reducer.window_radius - reducer.design.gear.eccentricity)
     return Rule(
         "posts_in_windows",

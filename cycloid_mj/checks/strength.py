@@ -125,12 +125,12 @@ def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
                 Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
-        value_text, limit = value_and_limit(pressure, "at most", allowed_pressure, MEGAPASCAL)
+        value_text, limit_text = value_and_limit(pressure, "at most", allowed_pressure, MEGAPASCAL)
         yield Check(
             name=f"{part}_{name}",
             passed=is_passed,
             got=value_text,
-            limit=f"{limit} ({factor:.3g} {factor_text})",
+            limit=f"{limit_text} ({factor:.3g} {factor_text})",
             why=consequence_text,
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(loads.torque))}",
@@ -164,9 +164,9 @@ def _weaker_strength(
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
-    sides = roller_contacts(reducer) if has_bare_rollers_on_disc else ((part, 1.0) for part in PARTNERS[kind])
+    ratio_by_part = roller_contacts(reducer) if has_bare_rollers_on_disc else ((part, 1.0) for part in PARTNERS[kind])
     strengths = []
-    for part, ratio in sides:
+    for part, ratio in ratio_by_part:
         material = design.material_of(part)
         key = "surface_yield" if material.surface_yield else body_attribute
         strengths.append(
@@ -175,20 +175,23 @@ def _weaker_strength(
     return min(strengths, key=lambda candidate: candidate[1])
 
 
-def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
+def _face_width_limit(
+    reducer: Reducer, compute_load: Callable[[RatedLoad], float], allowed_load: float, power: float
+) -> Limit:
     """Return the limit on the face width [m] at which a load, such as a pressure, decreases to an allowed value.
 
-    `value` computes it from the loads at the nominal torque. Each iteration assumes that it varies as width **
-    (-1/`power`) and solves for the loads again. Without an equilibrium the limit is infinite, so that it is no remedy.
+    `compute_load` computes it from the equilibrium at the nominal torque. Each iteration assumes that it varies as
+    width ** (-1/`power`) and solves for the equilibrium again. Without an equilibrium the limit is infinite, so that it
+    is no remedy.
     """
-    width, current_value = reducer.design.gear.face_width, value(rated_load(reducer))
+    width, load = reducer.design.gear.face_width, compute_load(rated_load(reducer))
     for _ in range(STRENGTH.max_iterations):
-        width *= (1.0 + STRENGTH.statics_rtol) * (current_value / allowed) ** power
+        width *= (1.0 + STRENGTH.statics_rtol) * (load / allowed_load) ** power
         try:
-            current_value = value(rated_load(reducer.but(gear={"face_width": width})))
+            load = compute_load(rated_load(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
-        if (1.0 - 4.0 * STRENGTH.statics_rtol) * allowed < current_value <= allowed:
+        if (1.0 - 4.0 * STRENGTH.statics_rtol) * allowed_load < load <= allowed_load:
             break
     return Limit("gear.face_width", "at least", width)
 
@@ -200,13 +203,17 @@ def _check_load_sharing(loads: RatedLoad) -> Check:
     remedy is a stiffer cam, in words.
     """
     reducer, design, ratio = loads.reducer, loads.reducer.design, loads.concentration
-    names = _load_sharing_clearances(reducer)
+    clearance_keys = _load_sharing_clearances(reducer)
     is_passed = ratio <= STRENGTH.max_concentration
-    value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
+    value_text, limit_text = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
     def with_smaller_clearances(share: float) -> Reducer:
         """Return the reducer with a `share` of its clearances."""
-        return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
+        return reducer.but(
+            clearance={
+                clearance_key: share * getattr(design.clearance, clearance_key) for clearance_key in clearance_keys
+            }
+        )
 
     share = (
         1.0
@@ -215,7 +222,10 @@ def _check_load_sharing(loads: RatedLoad) -> Check:
             lambda share: rated_load(with_smaller_clearances(share)).concentration <= STRENGTH.max_concentration
         )
     )
-    limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
+    limits = [
+        Limit(f"clearance.{clearance_key}", "at most", share * getattr(design.clearance, clearance_key))
+        for clearance_key in clearance_keys
+    ]
     remedy = joint_remedy(reducer, [] if is_passed else limits)
     if not share:
         remedy_text = "a wider face or more rollers make the cam stiffer (gear.face_width_mm, contact.cam_rollers)"
@@ -224,7 +234,7 @@ def _check_load_sharing(loads: RatedLoad) -> Check:
         name="load_concentration",
         passed=is_passed,
         got=value_text,
-        limit=f"{limit} (assumed)",
+        limit=f"{limit_text} (assumed)",
         why="with clearances and a compliant cam, few teeth carry what ideal sharing distributes over half of them",
         severity="warning",
         key="the largest tooth force over that of ideal load sharing",
@@ -236,8 +246,8 @@ def _check_load_sharing(loads: RatedLoad) -> Check:
 def _load_sharing_clearances(reducer: Reducer) -> tuple[str, ...]:
     """Return the kinds of pairs whose clearances change the load sharing."""
     design = reducer.design
-    moving = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
-    return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
+    moves_by_kind = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
+    return (design.tooth_pair, *(kind for kind, moves in moves_by_kind.items() if moves), "cam", "output")
 
 
 def _check_pressure_angle(loads: RatedLoad) -> Check:
@@ -249,7 +259,7 @@ def _check_pressure_angle(loads: RatedLoad) -> Check:
     """
     reducer, design, angle = loads.reducer, loads.reducer.design, loads.pressure_angle
     is_passed = angle <= STRENGTH.max_pressure_angle
-    value_text, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
+    value_text, limit_text = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
     current_eccentricity, max_eccentricity = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def with_larger_eccentricity(share: float) -> Reducer:
@@ -275,7 +285,7 @@ def _check_pressure_angle(loads: RatedLoad) -> Check:
         name="pressure_angle",
         passed=is_passed,
         got=f"{value_text} (weighted by force)",
-        limit=f"{limit} (assumed)",
+        limit=f"{limit_text} (assumed)",
         why="with a larger angle the tooth forces load cam and housing instead of turning the disc",
         severity="warning",
         key="the mean pressure angle at the nominal torque",
@@ -287,8 +297,8 @@ def _check_pressure_angle(loads: RatedLoad) -> Check:
 def _find_threshold(is_met: Callable[[float], bool]) -> float:
     """Find the largest argument in [0, 1] at which `is_met` returns true, by bisection; 0 if there is none.
 
-    `is_met` is false at 1, and is assumed to be true at all arguments below the result. An error of the type
-    `CycloidError` counts as false.
+    `is_met` is false at 1, and is assumed to be true at all arguments below the result. The relative accuracy, and the
+    smallest result other than 0, is `STRENGTH.bisection_rtol`. A `CycloidError` counts as false.
     """
 
     def is_met_safely(share: float) -> bool:
@@ -338,7 +348,7 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on, each with its thickness [m] and strength ratio [1]."""
+    """Return the walls of disc and housing that pins press on, each with thickness [m] and `Wall.strength_ratio`."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole_radius = output.hole_radius + design.clearance.output
@@ -347,23 +357,25 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
     if ring.kind == "nonpin":
         ring_root_radius = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
     hole_distance = 2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole_radius)
-    inner_wall, outer_wall = (
+    hole_to_axis, hole_to_root = (
         output.pin_circle_radius - hole_radius,
         root_radius - output.pin_circle_radius - hole_radius,
     )
-    ligament, tooth_pair = design.housing.outer_radius - ring_root_radius, design.tooth_pair
+    housing_wall, tooth_pair = design.housing.outer_radius - ring_root_radius, design.tooth_pair
     return (
         Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", hole_distance, TENSION),
-        Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", outer_wall, SHEAR),
+        Wall(
+            "hole_to_root", "between the output holes and the root of the lobes", "gear", "output", hole_to_root, SHEAR
+        ),
         Wall(
             "bore_to_hole",
             "between the bore and the output holes",
             "gear",
             "output",
-            inner_wall - gear.bore_radius - design.clearance.cam,
+            hole_to_axis - gear.bore_radius - design.clearance.cam,
             SHEAR,
         ),
-        Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth_pair, ligament, SHEAR),
+        Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth_pair, housing_wall, SHEAR),
     )
 
 
@@ -383,7 +395,7 @@ def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
     allowed_stress = wall.strength_ratio * material.yield_strength / STRENGTH.wall_safety
     is_passed = stress <= allowed_stress
     stress_kind = "tension" if wall.strength_ratio == TENSION else "shear"
-    value_text, limit = value_and_limit(stress, "at most", allowed_stress, MEGAPASCAL)
+    value_text, limit_text = value_and_limit(stress, "at most", allowed_stress, MEGAPASCAL)
     yield_strength_limit = Limit(
         f"{design.material_table(wall.part)}.yield_strength",
         "at least",
@@ -394,7 +406,7 @@ def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
         name=wall.name,
         passed=is_passed,
         got=f"{value_text} of {stress_kind}",
-        limit=f"{limit} (the yield strength in {stress_kind} over {STRENGTH.wall_safety:g}, assumed)",
+        limit=f"{limit_text} (the yield strength in {stress_kind} over {STRENGTH.wall_safety:g}, assumed)",
         why=f"the largest force there, {loads.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
         severity="warning",

@@ -84,8 +84,8 @@ def _undercut_rule(reducer: Reducer) -> Rule:
     generating_radius = design.ring.pin_circle_radius + design.modification.pin_circle
 
     def remaining_radius(eccentricity: float) -> float:
-        gear = CycloidGear(ring.teeth, eccentricity, generating_radius, ring.pin_radius)
-        return profile.undercut_radius(gear) - offset
+        disc_profile = CycloidGear(ring.teeth, eccentricity, generating_radius, ring.pin_radius)
+        return profile.undercut_radius(disc_profile) - offset
 
     alternatives = (
         ()
@@ -194,13 +194,13 @@ def _housing_wall_rule(reducer: Reducer) -> Rule:
     socket_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root_radius = ring.pin_circle_radius - ring.pin_radius + 2 * c
     cut_radius = socket_radius if ring.kind == "pin" else root_radius
-    wall_thickness = cut_radius - ring.pin_circle_radius
+    cut_depth = cut_radius - ring.pin_circle_radius
 
     def housing_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius outside the teeth."""
         return (
             Limit("housing.outer_radius", "more than", cut_radius + relative_wall * ring.pin_circle_radius),
-            Limit("ring.pin_circle_radius", "less than", (outer_radius - wall_thickness) / (1 + relative_wall)),
+            Limit("ring.pin_circle_radius", "less than", (outer_radius - cut_depth) / (1 + relative_wall)),
         )
 
     location = f"outside the ring's teeth (out to {millimetres(cut_radius)})"

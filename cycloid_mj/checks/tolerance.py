@@ -50,8 +50,8 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
 
     `deviation` is the standard deviation [m]. If several lists are not empty, their largest values add as squares.
     """
-    largest = [max(abs(value) for value in values) for values in listed if values]
-    return math.hypot(*largest) if largest else SIGMAS * deviation
+    largest_values = [max(abs(value) for value in values) for values in listed if values]
+    return math.hypot(*largest_values) if largest_values else SIGMAS * deviation
 
 
 def _check_error(
