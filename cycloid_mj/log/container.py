@@ -116,8 +116,8 @@ def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
     LogError
         The file is not an MCAP file, or the CRC of its data is wrong.
     """
-    size = stream.seek(0, 2)
-    is_sealed = _has_seal(stream, size)
+    file_size = stream.seek(0, 2)
+    is_sealed = _has_seal(stream, file_size)
     stream.seek(0)
     if stream.read(len(MAGIC)) != MAGIC:
         raise LogError(
@@ -129,7 +129,7 @@ def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
         header = stream.read(HEAD.size)
         opcode, length = HEAD.unpack(header) if len(header) == HEAD.size else (0, 0)
         # no record has opcode 0: these bytes were reserved but never written
-        if opcode == 0 or length > size - stream.tell():
+        if opcode == 0 or length > file_size - stream.tell():
             break
         content = stream.read(length)
         if opcode == Opcode.DATA_END:
@@ -140,7 +140,7 @@ def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
         crc = zlib.crc32(content, zlib.crc32(header, crc))
         yield Record(opcode, content, offset)
     if is_sealed:
-        raise corrupt_log_error(path, f"there is no valid record at byte {offset} of {size}")
+        raise corrupt_log_error(path, f"there is no valid record at byte {offset} of {file_size}")
 
 
 def read_metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
@@ -203,10 +203,10 @@ def _check_message_count(chunk: Chunk) -> None:
     ValueError
         There are more than `CHUNK.max_messages_per_byte` messages for each byte of the compressed data.
     """
-    limit = CHUNK.max_messages_per_byte * len(chunk.data)
-    if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > CHUNK.max_size:
+    max_count = CHUNK.max_messages_per_byte * len(chunk.data)
+    if chunk.uncompressed_size <= max_count * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > CHUNK.max_size:
         return
-    count, bytes_to_skip, remainder = 0, 0, b""
+    message_count, bytes_to_skip, remainder = 0, 0, b""
     stream = _open_decompressed(chunk.data, chunk.compression)
     while block := stream.read(CHUNK.block_size):
         if bytes_to_skip >= len(block):
@@ -218,9 +218,9 @@ def _check_message_count(chunk: Chunk) -> None:
             if not opcode:
                 return
             position += HEAD.size + length
-            count += 1
-        if count > limit:
-            raise ValueError(f"it has more than {limit:,} messages in {len(chunk.data):,} compressed bytes")
+            message_count += 1
+        if message_count > max_count:
+            raise ValueError(f"it has more than {max_count:,} messages in {len(chunk.data):,} compressed bytes")
         remainder, bytes_to_skip = data[position:], max(0, position - len(data))
 
 
@@ -275,18 +275,18 @@ def _parse_chunk(data: bytes) -> Messages:
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
     offsets_by_channel: dict[int, list[int]] = defaultdict(list)
-    definitions = 0
+    definition_count = 0
     position = 0
     while position < len(data):
         opcode, length, channel = _START_OF_MESSAGE.unpack_from(data, position)
         content_start = position + HEAD.size
         if opcode == Opcode.MESSAGE and length >= MIN_MESSAGE_LENGTH:
             offsets_by_channel[channel].append(position)
-        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and definitions < CHUNK.max_definitions:
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and definition_count < CHUNK.max_definitions:
             definitions_by_id, record_type = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
             message = record_type.read(_stream(data[content_start : content_start + length]))
             definitions_by_id[message.id] = message
-            definitions += 1
+            definition_count += 1
         else:
             raise ValueError(f"there is no valid schema, channel or message at its byte {position}")
         position = content_start + length
@@ -307,18 +307,18 @@ def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:
     Return None if their lengths differ, or if a record is shorter than its header.
     """
     _, length = HEAD.unpack_from(data, offsets[0])
-    size = HEAD.size + length
-    if size < MESSAGE_HEAD.itemsize:
+    record_size = HEAD.size + length
+    if record_size < MESSAGE_HEAD.itemsize:
         return None
-    rows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), size)[offsets]
+    rows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), record_size)[offsets]
     headers = rows[:, : MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)
     return rows if (headers["length"] == length).all() else None
 
 
-def _has_seal(stream: BinaryIO, size: int) -> bool:
-    """Return whether a file of `size` bytes ends in the magic bytes, which are written when it is complete."""
-    stream.seek(max(0, size - len(MAGIC)))
-    return size >= 2 * len(MAGIC) and stream.read() == MAGIC
+def _has_seal(stream: BinaryIO, file_size: int) -> bool:
+    """Return whether a file of `file_size` bytes ends in the magic bytes, which are written when it is complete."""
+    stream.seek(max(0, file_size - len(MAGIC)))
+    return file_size >= 2 * len(MAGIC) and stream.read() == MAGIC
 
 
 def _check_data_crc(content: bytes, crc: int, path: Path) -> None:

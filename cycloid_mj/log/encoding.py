@@ -75,8 +75,13 @@ class ColumnGroup:
     @cached_property
     def record(self) -> np.dtype[np.void]:
         """Packed record of a message, with the values as fields and gaps for the key bytes."""
-        names, formats = [TIME, *self.units], ["<f8"] * self.offsets.size
-        layout = {"names": names, "formats": formats, "offsets": self.offsets.tolist(), "itemsize": self.zeros.size}
+        field_names, formats = [TIME, *self.units], ["<f8"] * self.offsets.size
+        layout = {
+            "names": field_names,
+            "formats": formats,
+            "offsets": self.offsets.tolist(),
+            "itemsize": self.zeros.size,
+        }
         return np.dtype(layout)  # type: ignore[call-overload]
 
     @cached_property
@@ -125,16 +130,16 @@ class ColumnGroup:
 
         Units are its comments. The path [4, 0, 2, i] of a comment is that of field i of the first message in the file.
         """
-        files = FileDescriptorSet()
+        file_set = FileDescriptorSet()
         package, name = self.message.split(".")
-        file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
+        file = file_set.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
         message = file.message_type.add(name=name)
         units = ("s", *self.units.values())
         for index, ((field, number, kind), unit) in enumerate(zip(self.fields, units, strict=True)):
             message.field.add(name=field, number=number, type=kind, label=FieldDescriptorProto.LABEL_OPTIONAL)
             comment = f" [{unit}]\n"
             file.source_code_info.location.add(path=[4, 0, 2, index], span=[index, 0, 0], trailing_comments=comment)
-        return files.SerializeToString(deterministic=True)
+        return file_set.SerializeToString(deterministic=True)
 
     def metadata(self) -> dict[str, str]:
         """Return the metadata of the channel: the units."""
@@ -163,6 +168,6 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
     return group
 
 
-def _key(number: int) -> bytes:
-    """Encode the key of field `number` as a double (protobuf encoding, "Message Structure")."""
-    return varint(number << 3 | FIXED64)
+def _key(field_number: int) -> bytes:
+    """Encode the key of the field `field_number` as a double (protobuf encoding, "Message Structure")."""
+    return varint(field_number << 3 | FIXED64)

@@ -22,9 +22,9 @@ def write_parquet(run: Run, path: str | os.PathLike[str], columns: Sequence[str]
     CycloidError
         The file cannot be written.
     """
-    names = list(run.columns) if columns is None else list(columns)
+    column_names = list(run.columns) if columns is None else list(columns)
     table = Frame(
-        {TIME: run.time, **{name: run[name] for name in names}},
-        {TIME: "s", **{name: run.units[name] for name in names}},
+        {TIME: run.time, **{name: run[name] for name in column_names}},
+        {TIME: "s", **{name: run.units[name] for name in column_names}},
     )
     write_frame(table, path, {"provenance": dict(run.provenance)}, LogError)

@@ -23,8 +23,8 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
     second, `PROVENANCE`, is the provenance. Characters that UTF-8 cannot encode are escaped.
     """
     encodable_provenance = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
-    names = [encodable_text(name) for name in attachments]
-    entries = {"format": FORMAT, CHECKSUM: _checksum(encodable_provenance), FILES: json.dumps(names)}
+    file_names = [encodable_text(name) for name in attachments]
+    entries = {"format": FORMAT, CHECKSUM: _checksum(encodable_provenance), FILES: json.dumps(file_names)}
     return {PACKAGE: entries, PROVENANCE: encodable_provenance}
 
 
@@ -35,17 +35,17 @@ def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str
     attachments that were read. Logs of earlier versions have no checksum and no list of attachments; for these logs,
     only missing provenance is reported.
     """
-    package, provenance = metadata[PACKAGE], metadata.get(PROVENANCE)
+    package_entries, provenance = metadata[PACKAGE], metadata.get(PROVENANCE)
     phrases = []
     if provenance is None:
         phrases.append("its provenance is missing")
-    elif package.get(CHECKSUM, _checksum(provenance)) != _checksum(provenance):
+    elif package_entries.get(CHECKSUM, _checksum(provenance)) != _checksum(provenance):
         phrases.append("its provenance is damaged")
     try:
-        names = set(json.loads(package.get(FILES, "[]")))
+        file_names = set(json.loads(package_entries.get(FILES, "[]")))
     except (ValueError, TypeError):
         return [*phrases, "its list of attachments is damaged"]
-    return [*phrases, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
+    return [*phrases, *(f"its {name} is missing" for name in sorted(map(str, file_names - set(attachments))))]
 
 
 def _checksum(entries: Mapping[str, str]) -> str:

@@ -89,9 +89,9 @@ class _GroupSamples:
             raise container.corrupt_log_error(path, f"messages of {group.topic} are missing or out of order")
         if self._rows is not None:
             records = records[self._rows[(self._rows >= self.count) & (self._rows < end_count)] - self.count]
-        names, end_row = (TIME, *group.units), self._kept + len(records)
-        self._columns = self._columns or [np.empty(0) for _ in names]
-        for name, column in zip(names, self._columns, strict=True):
+        field_names, end_row = (TIME, *group.units), self._kept + len(records)
+        self._columns = self._columns or [np.empty(0) for _ in field_names]
+        for name, column in zip(field_names, self._columns, strict=True):
             if column.size < end_row:
                 column.resize(int(GROWTH * end_row), refcheck=False)
             column[self._kept : end_row] = records[name]
@@ -103,9 +103,9 @@ class _GroupSamples:
         The arrays contain the first `samples` samples of the log, or those of the selected rows with indices below
         `samples`. The arrays are read-only, so that a `Run` need not copy them.
         """
-        count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
+        kept_count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
-            column.resize(count, refcheck=False)
+            column.resize(kept_count, refcheck=False)
             column.flags.writeable = False
         return self._columns
 
@@ -173,21 +173,21 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     try:
         with _open_existing_log(path) as stream:
             is_complete = _read_records(stream, path, contents)
-            size = stream.seek(0, os.SEEK_END)
+            file_size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
         raise LogError(
             f"cannot read log {path}: {reason(problem)}. Choose a readable log that `cycloid-mj simulate` wrote"
         ) from problem
-    counts = [contents.samples[channel].count for channel in contents.groups]
-    samples = min(counts, default=0)
+    sample_counts = [contents.samples[channel].count for channel in contents.groups]
+    sample_count = min(sample_counts, default=0)
     if is_complete:
-        _check_sample_count(contents, counts, path)
-    if samples == 0:
+        _check_sample_count(contents, sample_counts, path)
+    if sample_count == 0:
         raise LogError(
             f"log {path} contains no samples, because the run was stopped too early: simulate the design again"
         )
-    run = _make_run(contents, samples, is_complete, path)
-    return Log(run, _viewer_topics(contents), is_complete, size)
+    run = _make_run(contents, sample_count, is_complete, path)
+    return Log(run, _viewer_topics(contents), is_complete, file_size)
 
 
 def _open_existing_log(path: Path) -> BinaryIO:
@@ -205,9 +205,13 @@ def _open_existing_log(path: Path) -> BinaryIO:
 def _alternatives(path: Path) -> str:
     if not path.parent.is_dir():
         return f"there is no folder {path.parent} either"
-    names = sorted(entry.name for entry in path.parent.glob("*.mcap"))
-    nearest = get_close_matches(path.name, names, n=3, cutoff=0.3) or names[:3]
-    return f"nearest in that folder: {', '.join(nearest)}" if nearest else "there is no .mcap file in that folder"
+    log_names = sorted(entry.name for entry in path.parent.glob("*.mcap"))
+    nearest_names = get_close_matches(path.name, log_names, n=3, cutoff=0.3) or log_names[:3]
+    return (
+        f"nearest in that folder: {', '.join(nearest_names)}"
+        if nearest_names
+        else "there is no .mcap file in that folder"
+    )
 
 
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
@@ -299,21 +303,21 @@ def _parse_float(text: str) -> float | None:
         return None
 
 
-def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> None:
+def _check_sample_count(contents: _Contents, sample_counts: list[int], path: Path) -> None:
     """Raise LogError unless each group of a complete file has the number of messages that is stated at its end."""
-    written = contents.metadata.get(END, {}).get("samples")
-    if any(str(size) != written for size in sizes):
-        raise container.corrupt_log_error(path, f"it should have {written} samples and has {min(sizes)}")
+    stated_count = contents.metadata.get(END, {}).get("samples")
+    if any(str(sample_count) != stated_count for sample_count in sample_counts):
+        raise container.corrupt_log_error(path, f"it should have {stated_count} samples and has {min(sample_counts)}")
 
 
-def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
+def _make_run(contents: _Contents, sample_count: int, is_complete: bool, path: Path) -> Run:
     """Return the run in a log that has been read: all columns of its topics over their common times.
 
     Parameters
     ----------
     contents
         Contents of the file. Each of its `groups` describes the columns of a topic.
-    samples
+    sample_count
         Number of samples of the log that are used from the first on: all topics have them. If only some rows were
         selected, the run has those among these samples.
     is_complete
@@ -328,7 +332,7 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
         Two topics differ in their times, or have a column of the same name.
     """
     groups = contents.groups
-    columns_by_group = {channel_id: contents.samples[channel_id].finish(samples) for channel_id in groups}
+    columns_by_group = {channel_id: contents.samples[channel_id].finish(sample_count) for channel_id in groups}
     time, *times_of_other_groups = (times for times, *_ in columns_by_group.values())
     if any((times != time).any() for times in times_of_other_groups):
         raise container.corrupt_log_error(path, "the sampling times of its topics differ")
@@ -343,7 +347,7 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
     end_entries = contents.metadata.get(END, {})
     note, is_finished = end_entries.get("note", ""), end_entries.get("complete") == "true"
     if not is_complete:
-        truncation_note = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
+        truncation_note = f"the log is truncated: {sample_count} samples, up to {time[-1]:.9g} s, could be read"
         missing_phrases = missing_contents(contents.metadata, contents.attachments)
         note, is_finished = "; ".join(filter(None, (note, truncation_note, *missing_phrases))), False
     try:

@@ -104,8 +104,8 @@ class LogWriter:
         self._flushed_samples = 0
         self._last_time = -np.inf
         self._is_open = True
-        size = sum(group.zeros.size for group in self._groups)
-        self._samples_per_chunk = max(1, chunk_size // size)
+        message_size = sum(group.zeros.size for group in self._groups)
+        self._samples_per_chunk = max(1, chunk_size // message_size)
         metadata = preamble(provenance or {}, attachments or {})
         self._file, self._mcap = _create_log(Path(path), force, hidden, metadata, attachments or {})
         self._channels = [
@@ -247,8 +247,8 @@ class LogWriter:
         if self.samples % self._samples_per_chunk == 0:
             self.flush()
 
-    def _add_message(self, channel: int, time: int, content: bytes, number: int) -> None:
-        self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
+    def _add_message(self, channel: int, time: int, content: bytes, sequence: int) -> None:
+        self._mcap.add_message(channel, time, content, time, sequence & 0xFFFFFFFF)
 
     def _check_samples(self, time: Array, values: Mapping[str, Array]) -> None:
         """Raise LogError unless topics, shapes and times of the samples to be logged are valid.
@@ -275,17 +275,18 @@ class LogWriter:
 
     def _check_order(self, time: Array) -> None:
         """Raise LogError unless sample times (k,) [s] are finite, strictly increasing and later than those before."""
-        if invalid := np.flatnonzero(~np.isfinite(time)).tolist():
+        if invalid_indices := np.flatnonzero(~np.isfinite(time)).tolist():
             raise LogError(
-                f"the sample time at index {invalid[0]} is {time[invalid[0]]:g}: pass finite times in seconds"
+                f"the sample time at index {invalid_indices[0]} is {time[invalid_indices[0]]:g}: pass finite times in "
+                "seconds"
             )
         if time.size and (time[0] < 0.0 or time[0] <= self._last_time):
             condition = "of at least 0 s" if self._last_time < 0.0 else f"later than {self._last_time:g} s"
             raise LogError(f"the first sample time, {time[0]:g} s, is too early: pass times {condition}")
-        if unordered := np.flatnonzero(np.diff(time) <= 0.0).tolist():
+        if unordered_indices := np.flatnonzero(np.diff(time) <= 0.0).tolist():
             raise LogError(
-                f"the sample time at index {unordered[0] + 1}, {time[unordered[0] + 1]:g} s, is not later than the "
-                f"time before it, {time[unordered[0]]:g} s: pass strictly increasing times"
+                f"the sample time at index {unordered_indices[0] + 1}, {time[unordered_indices[0] + 1]:g} s, is not "
+                f"later than the time before it, {time[unordered_indices[0]]:g} s: pass strictly increasing times"
             )
 
     def _finish_log(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
@@ -387,7 +388,7 @@ def _create_log(
 
 
 def _write_preamble(stream: BinaryIO, metadata: Metadata, attachments: Mapping[str, bytes]) -> Writer:
-    """Write metadata and attachments to a stream; return the MCAP writer, whose chunks end only at `flush`."""
+    """Write metadata and attachments to a stream; return the MCAP writer, whose chunks end only at its `flush`."""
     mcap = Writer(stream, chunk_size=sys.maxsize, enable_data_crcs=True)
     mcap.start(library=PACKAGE)
     for name, entries in metadata.items():
@@ -412,13 +413,13 @@ def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
 
 
 def _add_schema(mcap: Writer, name: str, schema: bytes) -> int:
-    number: int = mcap.register_schema(name, SchemaEncoding.Protobuf, schema)
-    return number
+    schema_id: int = mcap.register_schema(name, SchemaEncoding.Protobuf, schema)
+    return schema_id
 
 
 def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]) -> int:
-    number: int = mcap.register_channel(topic, MessageEncoding.Protobuf, schema, metadata)
-    return number
+    channel_id: int = mcap.register_channel(topic, MessageEncoding.Protobuf, schema, metadata)
+    return channel_id
 
 
 def _column_groups(groups: Groups) -> list[ColumnGroup]:

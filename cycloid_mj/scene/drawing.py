@@ -164,7 +164,7 @@ def largest_magnification(reducer: Reducer) -> float:
 
 
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
-    """Return an upper bound of the gaps between mating parts over all samples [m].
+    """Return an upper bound of the gaps between mating parts over all samples of a log [m].
 
     `gaps` are those of a disc and its mates at n samples, from `measure_gaps`. For each kind of pair, the bound is the
     clearance plus the largest deviation from the ideal position; the result is the largest of these sums.
@@ -226,9 +226,11 @@ def check_magnification(reducer: Reducer, magnification: float, largest: float) 
 def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
     """Return the radii of pins, sockets and sleeves [m] in a drawing with a magnification."""
     design = reducer.design
-    ring = design.ring.pin_radius - (magnification - 1.0) * tooth_clearance(reducer)
+    pin_radius = design.ring.pin_radius - (magnification - 1.0) * tooth_clearance(reducer)
     return RingRadii(
-        pin=ring, socket=ring + magnification * design.pin_play, sleeve_bore=ring - design.ring.sleeve_thickness
+        pin=pin_radius,
+        socket=pin_radius + magnification * design.pin_play,
+        sleeve_bore=pin_radius - design.ring.sleeve_thickness,
     )
 
 
@@ -240,10 +242,10 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
     positions of their centres.
     """
     poses_by_part = poses(reducer, columns)
-    gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
+    disc_poses = poses_by_part[gears(reducer.design.gear.discs)[disc]]
     return Separations(
         **vars(measure_mesh(reducer, poses_by_part, columns["crank_angle"], disc)),
-        output_away=_output_gaps(reducer, gear, poses_by_part[OUTPUT]),
+        output_away=_output_gaps(reducer, disc_poses, poses_by_part[OUTPUT]),
     )
 
 
@@ -266,23 +268,27 @@ def measure_mesh(reducer: Reducer, poses_by_part: Mapping[str, Array], crank: Ar
         and rotation [rad] of each pin.
     """
     tooth_profile, phase = reducer.tooth_profile, reducer.phases[disc]
-    gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
+    measured_pose = poses_by_part[gears(reducer.design.gear.discs)[disc]]
     ideal_pose = np.column_stack([gear_centre(tooth_profile, crank + phase), gear_rotation(tooth_profile, crank)])
     nominal_centres = ring_places(reducer)
-    pins = np.zeros((crank.size, len(nominal_centres), 3))
+    pin_displacements = np.zeros((crank.size, len(nominal_centres), 3))
     if pin(1) in poses_by_part:
-        pins = np.stack([poses_by_part[pin(number)] for number in range(1, len(nominal_centres) + 1)], axis=1)
-        pins[..., :2] -= nominal_centres
+        pin_displacements = np.stack(
+            [poses_by_part[pin(number)] for number in range(1, len(nominal_centres) + 1)], axis=1
+        )
+        pin_displacements[..., :2] -= nominal_centres
     return MeshGaps(
         disc=disc,
         gear=ideal_pose,
-        deviation=gear - ideal_pose,
+        deviation=measured_pose - ideal_pose,
         crank_angle=crank,
         opening=_trochoid_distance(
-            tooth_profile, gear - [0.0, 0.0, phase / tooth_profile.lobes], nominal_centres + pins[..., :2]
+            tooth_profile,
+            measured_pose - [0.0, 0.0, phase / tooth_profile.lobes],
+            nominal_centres + pin_displacements[..., :2],
         ),
-        away=pins[..., :2],
-        pin_angle=pins[..., 2],
+        away=pin_displacements[..., :2],
+        pin_angle=pin_displacements[..., 2],
     )
 
 
@@ -306,19 +312,19 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
     UsageError
         `magnification` is below 1 or beyond `largest_magnification`.
     """
-    mesh, gear = magnify_mesh(reducer, gaps, magnification), gaps.gear
-    holes = transform(gear[:, np.newaxis], output_centres(reducer))
-    eccentric_direction = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
+    mesh, ideal_pose = magnify_mesh(reducer, gaps, magnification), gaps.gear
+    hole_centres = transform(ideal_pose[:, np.newaxis], output_centres(reducer))
+    eccentric_direction = ideal_pose[:, np.newaxis, :2] / reducer.design.gear.eccentricity
     pin_distance = reducer.design.gear.eccentricity + magnification * gaps.output_away[..., np.newaxis]
     return Drawing(
         magnification=magnification,
         radii=drawn_radii(reducer, magnification),
         gaps=gaps,
-        gear=gear,
+        gear=ideal_pose,
         ring=mesh.ring,
         sockets=mesh.sockets,
         shaft=np.column_stack([-magnification * gaps.deviation[:, :2], gaps.crank_angle]),
-        output_pins=holes - pin_distance * eccentric_direction,
+        output_pins=hole_centres - pin_distance * eccentric_direction,
     )
 
 
@@ -333,14 +339,14 @@ def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -
         `magnification` is below 1 or beyond `largest_magnification`.
     """
     drawn_opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
-    ring = ring_places(reducer) + drawn_opening
+    pin_centres = ring_places(reducer) + drawn_opening
     return MeshDrawing(
         magnification=magnification,
         radii=_ring_radii(reducer, magnification),
         gaps=gaps,
         gear=gaps.gear,
-        ring=ring,
-        sockets=ring - magnification * gaps.away,
+        ring=pin_centres,
+        sockets=pin_centres - magnification * gaps.away,
     )
 
 
@@ -356,13 +362,13 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Mesh
     frame
         Index of the frame.
     """
-    gear, deviation = drawing.gear[frame], drawing.gaps.deviation[frame]
-    opening = np.einsum("mk,mk->m", normals, _disc_displacement(outline - gear[:2], deviation))
+    disc_pose, deviation = drawing.gear[frame], drawing.gaps.deviation[frame]
+    opening = np.einsum("mk,mk->m", normals, _disc_displacement(outline - disc_pose[:2], deviation))
     excess = drawing.magnification - 1.0
     return outline - normals * (excess * tooth_clearance(reducer) + drawing.magnification * opening)[:, np.newaxis]
 
 
-def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
+def _trochoid_distance(disc_profile: CycloidGear, disc_poses: Array, centres: Array) -> Array:
     """Compute the signed distance of pin centres from the trochoid of a disc [m], shape (n, mates), positive outside.
 
     Newton's method finds the nearest point of the trochoid, starting from its ideal position; the steps are limited, so
@@ -370,35 +376,39 @@ def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Arr
 
     Parameters
     ----------
-    cycloid
+    disc_profile
         Profile of the disc.
-    gear
+    disc_poses
         Poses of the disc: x, y [m] and angle [rad], shape (n, 3).
     centres
         Pin centres [m], shape (n, mates, 2).
     """
     max_increment = 0.5 / centres.shape[1]
-    points = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
-    phases = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
+    points = rotate(centres - disc_poses[:, np.newaxis, :2], -disc_poses[:, 2:])
+    phases = np.resize(profile.pin_angles(disc_profile), centres.shape[1]) + disc_poses[:, 2:]
     for _ in range(DRAWING.newton_steps):
-        tangent, second_derivative = profile.trochoid_derivatives(cycloid, phases)
-        offset_to_foot = profile.trochoid(cycloid, phases) - points
+        tangent, second_derivative = profile.trochoid_derivatives(disc_profile, phases)
+        offset_to_foot = profile.trochoid(disc_profile, phases) - points
         speed_squared = np.einsum("nik,nik->ni", tangent, tangent)
         curvature = speed_squared + np.einsum("nik,nik->ni", offset_to_foot, second_derivative)
         parameter_step = np.einsum("nik,nik->ni", offset_to_foot, tangent) / np.maximum(
             curvature, DRAWING.min_curvature * speed_squared
         )
         phases = phases - np.clip(parameter_step, -max_increment, max_increment)
-    return np.einsum("nik,nik->ni", points - profile.trochoid(cycloid, phases), profile.normals(cycloid, phases))
+    return np.einsum(
+        "nik,nik->ni", points - profile.trochoid(disc_profile, phases), profile.normals(disc_profile, phases)
+    )
 
 
-def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:
+def _output_gaps(reducer: Reducer, disc_poses: Array, output_poses: Array) -> Array:
     """Compute the distance of output pins from the centres of their holes minus the eccentricity [m], shape (n, pins).
 
-    `gear` and `output` are the poses of the disc and the output, shape (n, 3).
+    `disc_poses` and `output_poses` are those of the disc and of the output, shape (n, 3).
     """
-    pins, holes = (transform(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
-    return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
+    pin_centres, hole_centres = (
+        transform(pose[:, np.newaxis], output_centres(reducer)) for pose in (output_poses, disc_poses)
+    )
+    return np.linalg.norm(pin_centres - hole_centres, axis=2) - reducer.design.gear.eccentricity
 
 
 def _disc_displacement(arm: Array, deviation: Array) -> Array:

@@ -91,8 +91,8 @@ class ContactForces:
         return self._select([row for row, index in enumerate(self.discs) if index == disc])
 
     def _select(self, rows: list[int]) -> "ContactForces":
-        names, selected = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
-        return ContactForces(names, selected, self.point[:, rows], self.force[:, rows])
+        pair_names, pair_kinds = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
+        return ContactForces(pair_names, pair_kinds, self.point[:, rows], self.force[:, rows])
 
 
 def contact_forces(
@@ -122,8 +122,8 @@ def contact_forces(
     measured_geometry = _logged_inner_parts(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_of_drawing(reducer, drawing)
     wrench_columns = [columns[names.column(name, component)] for name in kind_by_pair for component in WRENCH]
-    count = columns["output_angle"].size
-    wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
+    sample_count = columns["output_angle"].size
+    wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), sample_count)).transpose(2, 0, 1))
     loaded_parts = [
         names.pin(names.number_of(name))
         if kind in _ON_PINS
@@ -132,9 +132,9 @@ def contact_forces(
         else disc_names[names.disc_of(name)]
         for name, kind in kind_by_pair.items()
     ]
-    origin = np.reshape([poses_by_part[part][:, :2] for part in loaded_parts], (len(kind_by_pair), count, 2)).transpose(
-        1, 0, 2
-    )
+    origin = np.reshape(
+        [poses_by_part[part][:, :2] for part in loaded_parts], (len(kind_by_pair), sample_count, 2)
+    ).transpose(1, 0, 2)
     direction = _direction(wrench[..., :2])
     shift = _shift_to_action_line(wrench, direction, measured_geometry.contact_points(kind_by_pair, direction) - origin)
     return ContactForces(
@@ -184,14 +184,16 @@ def _ideal_rv_forces(reducer: RvReducer, columns: Mapping[str, Array], disc: int
     the disc.
     """
     member = reducer.member
-    crank = member.against_ring(columns[f"{reducer.INPUT}_angle"])
+    input_angle = member.against_ring(columns[f"{reducer.INPUT}_angle"])
     torque = (-1.0 if member.turns_ring else 1.0) * member.share * columns["load_torque"][:, np.newaxis]
-    forward, backward = (ideal_rv_loads(reducer.stage, direction, crank).pins[:, disc] for direction in (1.0, -1.0))
+    forward, backward = (
+        ideal_rv_loads(reducer.stage, direction, input_angle).pins[:, disc] for direction in (1.0, -1.0)
+    )
     return np.abs(torque) * np.where(torque > 0.0, forward, backward)
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
-    """Compute a typical force for each kind of mating pair [N]: kind -> force.
+    """Compute a typical force for each kind of mating pair [N]: kind, such as "cam" -> force.
 
     It follows from the load, or from weight and inertia of the disc if they cause larger forces. Symbols: torque T of a
     disc, eccentricity c, N ring contacts, n output pins on the radius R. The cam has the force T/(c (N-1)). Half of the
@@ -202,13 +204,13 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
     if isinstance(reducer, RvReducer):
         contacts = reducer.at_rated_load.contacts
         return {kind: contacts[kind].force for kind in reducer.mechanism.kinds}
-    gear, output, teeth = design.gear, design.output, design.ring.teeth
+    gear, output, tooth_count = design.gear, design.output, design.ring.teeth
     disc_area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
     mass = design.material_of("gear").density * gear.face_width * max(float(disc_area), 0.0)
     inertia_force = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
     torque = max(abs(design.load.torque) / gear.discs, inertia_force * gear.eccentricity * design.lobes)
     cam_force = torque / (gear.eccentricity * design.lobes)
-    ring_force, pin_force = 4 * cam_force / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
+    ring_force, pin_force = 4 * cam_force / tooth_count, 4 * torque / (output.pins * output.pin_circle_radius)
     ring_forces = dict.fromkeys(("pin_gear", "tooth", "pin_socket", "pin_sleeve"), ring_force)
     return {**ring_forces, "cam": cam_force, "output": pin_force}
 
@@ -250,8 +252,8 @@ class _InnerParts:
         """
         points = np.empty_like(direction)
         for row, (name, kind) in enumerate(kind_by_pair.items()):
-            number = names.number_of(name) - 1
-            centre = self.others[kind][:, names.disc_of(name), number] if kind in self.others else self.ring[:, number]
+            index = names.number_of(name) - 1
+            centre = self.others[kind][:, names.disc_of(name), index] if kind in self.others else self.ring[:, index]
             points[:, row] = centre + self.radii[kind] * direction[:, row]
         return points
 
@@ -263,15 +265,17 @@ def _logged_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) ->
     (n, 3).
     """
     nominal_centres = ring_places(reducer)
-    ring = transform(poses_by_part[names.HOUSING][:, np.newaxis], nominal_centres)
+    ring_centres = transform(poses_by_part[names.HOUSING][:, np.newaxis], nominal_centres)
     if names.pin(1) in poses_by_part:
-        ring = np.stack(
+        ring_centres = np.stack(
             [poses_by_part[names.pin(number)][:, :2] for number in range(1, len(nominal_centres) + 1)], axis=1
         )
     if isinstance(reducer, RvReducer):
-        return _rv_inner_parts(reducer, poses_by_part, ring)
-    pins = transform(poses_by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _central_inner_parts(ring, cams(reducer, poses_by_part[names.SHAFT]), pins, drawn_radii(reducer))
+        return _rv_inner_parts(reducer, poses_by_part, ring_centres)
+    output_pin_centres = transform(poses_by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
+    return _central_inner_parts(
+        ring_centres, cams(reducer, poses_by_part[names.SHAFT]), output_pin_centres, drawn_radii(reducer)
+    )
 
 
 def _inner_parts_of_drawing(reducer: Reducer, drawing: Drawing | RvDrawing) -> _InnerParts:
@@ -281,25 +285,31 @@ def _inner_parts_of_drawing(reducer: Reducer, drawing: Drawing | RvDrawing) -> _
     return _central_inner_parts(drawing.ring, cams(reducer, drawing.shaft), drawing.output_pins, drawing.radii)
 
 
-def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Radii) -> _InnerParts:
+def _central_inner_parts(
+    ring_centres: Array, cam_centres: Array, output_pin_centres: Array, radii: Radii
+) -> _InnerParts:
     """Return centres and radii of the inner parts of all mating pairs (pins, cams) with a central crank.
 
-    `ring` (n, N, 2), `cam_centres` (n, D, 2) and `pins` (n, k, 2) are the centres of N ring pins, D cams and k output
-    pins at n samples [m].
+    `ring_centres` (n, N, 2), `cam_centres` (n, D, 2) and `output_pin_centres` (n, k, 2) are the centres of N ring pins,
+    D cams and k output pins at n samples [m].
     """
-    count, discs, _ = cam_centres.shape
-    pins_of_discs = np.broadcast_to(pins[:, np.newaxis], (count, discs, *pins.shape[1:]))
-    by_kind = {"cam": cam_centres[:, :, np.newaxis], "output": pins_of_discs}
+    sample_count, disc_count, _ = cam_centres.shape
+    centres_by_disc = np.broadcast_to(
+        output_pin_centres[:, np.newaxis], (sample_count, disc_count, *output_pin_centres.shape[1:])
+    )
+    centres_by_kind = {"cam": cam_centres[:, :, np.newaxis], "output": centres_by_disc}
     return _InnerParts(
-        ring, by_kind, _ring_radii(radii.pin, radii.sleeve_bore) | {"cam": radii.cam, "output": radii.output_pin}
+        ring_centres,
+        centres_by_kind,
+        _ring_radii(radii.pin, radii.sleeve_bore) | {"cam": radii.cam, "output": radii.output_pin},
     )
 
 
-def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
+def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring_centres: Array) -> _InnerParts:
     """Return centres and radii of the inner parts of all mating pairs (pins, needles) of an RV reducer.
 
-    `poses_by_part` has the poses of each part by its name at n samples, shape (n, 3), and `ring` (n, N, 2) the centres
-    of the N ring pins [m]. The force of a planet acts at the pitch point on the line to the sun.
+    `poses_by_part` has the poses of each part by its name at n samples, shape (n, 3), and `ring_centres` (n, N, 2) the
+    centres of the N ring pins [m]. The force of a planet acts at the pitch point on the line to the sun.
     """
     cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([poses_by_part[name] for name in cranks], axis=1)
@@ -313,16 +323,18 @@ def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
     return _InnerParts(
-        ring,
+        ring_centres,
         {names.CRANK_BEARING: eccentrics, names.PLANET_MESH: pitch_points[:, np.newaxis]},
         radii | {names.CRANK_BEARING: needle_radius, names.PLANET_MESH: 0.0},
     )
 
 
-def _pitch_points(reducer: RvReducer, sun: Array, cranks: Array) -> Array:
+def _pitch_points(reducer: RvReducer, sun_poses: Array, crank_poses: Array) -> Array:
     """Return the pitch points of the planets [m], shape (n, k, 2), at poses of sun (n, 3) and cranks (n, k, 3)."""
-    planet, centre = reducer.planet, sun[:, np.newaxis, :2]
-    return centre + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (cranks[..., :2] - centre)
+    planet, sun_centre = reducer.planet, sun_poses[:, np.newaxis, :2]
+    return sun_centre + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (
+        crank_poses[..., :2] - sun_centre
+    )
 
 
 def _drawn_rv_parts(reducer: RvReducer, drawing: RvDrawing) -> _InnerParts:
@@ -352,8 +364,8 @@ def cams(reducer: Reducer, shaft: Array) -> Array:
 
 def _direction(force: Array) -> Array:
     """Return unit vectors (..., 2); zero for zero forces."""
-    size = np.linalg.norm(force, axis=-1, keepdims=True)
-    return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
+    magnitude = np.linalg.norm(force, axis=-1, keepdims=True)
+    return np.divide(force, magnitude, out=np.zeros_like(force), where=magnitude > 0)
 
 
 def _shift_to_action_line(wrench: Array, direction: Array, arm: Array) -> Array:

@@ -48,11 +48,11 @@ class _File:
         """
         attributes = {"POSITION": self._append_array(points, "VEC3"), "NORMAL": self._append_array(normals, "VEC3")}
         indices = self._append_array(faces.ravel(), "SCALAR")
-        number = len(self._sections["meshes"])
-        primitive = {"attributes": attributes, "indices": indices, "material": number, "mode": _TRIANGLES}
+        piece_index = len(self._sections["meshes"])
+        primitive = {"attributes": attributes, "indices": indices, "material": piece_index, "mode": _TRIANGLES}
         self._sections["meshes"].append({"name": piece.name, "primitives": [primitive]})
         self._sections["materials"].append(_material(piece))
-        self._sections["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
+        self._sections["nodes"].append({"name": piece.name, "mesh": piece_index, "matrix": TO_Y_UP.T.ravel().tolist()})
 
     def encode(self) -> bytes:
         """Return a glTF file as bytes: header, JSON chunk with the description, binary chunk with the buffer."""
@@ -63,9 +63,9 @@ class _File:
             **self._sections,
             "buffers": [{"byteLength": len(self._buffer)}],
         }
-        text = json.dumps(description, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text
+        description_bytes = json.dumps(description, separators=(",", ":")).encode()
+        description_bytes += b" " * (-len(description_bytes) % 4)
+        chunks = struct.pack("<I4s", len(description_bytes), b"JSON") + description_bytes
         chunks += struct.pack("<I4s", len(self._buffer), b"BIN\x00") + self._buffer
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
@@ -79,15 +79,15 @@ class _File:
         buffer_view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
         self._sections["bufferViews"].append(buffer_view | {"target": _INDICES if is_index else _VERTICES})
         self._buffer += values.tobytes()
-        limits = values.reshape(len(values), -1)
+        flat_values = values.reshape(len(values), -1)
         self._sections["accessors"].append(
             {
                 "bufferView": len(self._sections["bufferViews"]) - 1,
                 "componentType": _UNSIGNED if is_index else _FLOAT,
                 "count": len(values),
                 "type": kind,
-                "min": limits.min(axis=0).tolist(),
-                "max": limits.max(axis=0).tolist(),
+                "min": flat_values.min(axis=0).tolist(),
+                "max": flat_values.max(axis=0).tolist(),
             }
         )
         return len(self._sections["accessors"]) - 1
@@ -96,6 +96,8 @@ class _File:
 def _material(piece: Piece) -> dict[str, Any]:
     """Describe the material of a piece; glTF's colours are linear, those of a piece sRGB (IEC 61966-2-1)."""
     *colour, opacity = piece.colour
-    linear = [((part + 0.055) / 1.055) ** 2.4 if part > 0.04045 else part / 12.92 for part in colour]
-    factors = {"baseColorFactor": [*linear, opacity], "metallicFactor": METALLIC, "roughnessFactor": ROUGHNESS}
+    linear_colour = [
+        ((component + 0.055) / 1.055) ** 2.4 if component > 0.04045 else component / 12.92 for component in colour
+    ]
+    factors = {"baseColorFactor": [*linear_colour, opacity], "metallicFactor": METALLIC, "roughnessFactor": ROUGHNESS}
     return {"name": piece.name, "pbrMetallicRoughness": factors} | ({"alphaMode": "BLEND"} if opacity < 1.0 else {})

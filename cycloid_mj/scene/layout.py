@@ -14,9 +14,10 @@ DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
 
 
 def viewer_layout(reducer: Reducer) -> dict[str, Any]:
-    """Return the layout that Foxglove and Lichtblick import as JSON: a view of the mechanism, and three plots.
+    """Return the layout that Foxglove and Lichtblick import from JSON: a view of the mechanism, and three plots.
 
-    It is made from ``assets/layout.json``. At its playback speed, a crank at 1640 rpm turns once in 4 s.
+    The result is a dict of JSON values. It is made from ``assets/layout.json``. At its playback speed, a crank at 1640
+    rpm turns once in 4 s.
     """
     design = reducer.design
     content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text("utf-8"))
@@ -26,13 +27,13 @@ def viewer_layout(reducer: Reducer) -> dict[str, Any]:
         "near": NEAREST * housing_radius,
         "far": FARTHEST * housing_radius,
     }
-    pins = all_numbered(PIN, design.ring.mate_count) if design.ring.kind == "pin" else ()
-    shafts = (SUN, *crank_names(reducer)) if isinstance(reducer, RvReducer) else (SHAFT,)
-    frames = (ROOT, HOUSING, *shafts, *gears(design.gear.discs), OUTPUT, *pins)
+    pin_names = all_numbered(PIN, design.ring.mate_count) if design.ring.kind == "pin" else ()
+    shaft_names = (SUN, *crank_names(reducer)) if isinstance(reducer, RvReducer) else (SHAFT,)
+    frames = (ROOT, HOUSING, *shaft_names, *gears(design.gear.discs), OUTPUT, *pin_names)
     plot = content["configById"]["Plot!speed"]
     disc_path, *other_paths = plot["paths"]  # one path is repeated for each disc
-    discs = [disc_path | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
-    plot["paths"] = [*discs, *other_paths]
+    disc_paths = [disc_path | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
+    plot["paths"] = [*disc_paths, *other_paths]
     torque_path, *_ = content["configById"]["Plot!torque"]["paths"]
     torque_path["value"] = f"/reducer.{column(reducer.INPUT, 'torque')}"
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}

@@ -63,9 +63,9 @@ def frame_rate(reducer: Reducer) -> float:
     the size of its log. The rate is at least ``settings.scene_rate``, and at most `FrameSettings.max_rate`.
     """
     design = reducer.design
-    by_angle = FRAME.frames_per_turn * abs(reducer.orbit_speed) / (2.0 * math.pi)
+    rate_by_angle = FRAME.frames_per_turn * abs(reducer.orbit_speed) / (2.0 * math.pi)
     max_rate = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
-    return min(max(design.settings.scene_rate, min(by_angle, max_rate)), FRAME.max_rate)
+    return min(max(design.settings.scene_rate, min(rate_by_angle, max_rate)), FRAME.max_rate)
 
 
 @dataclass(frozen=True)
@@ -112,14 +112,14 @@ class Scene:
         `time` [s] is its time stamp.
         """
         message = SceneUpdate()
-        files = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
-        pin_file = files.pop("pin", b"")
+        glb_by_part = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
+        pin_glb = glb_by_part.pop("pin", b"")
         if isinstance(self.reducer, RvReducer):
-            crank_file = files.pop(CRANK)
-            files |= dict.fromkeys(crank_names(self.reducer), crank_file)
-        if pin_file:
-            files |= {pin(number): pin_file for number, _ in enumerate(ring_places(self.reducer), start=1)}
-        for part, glb_content in files.items():
+            crank_glb = glb_by_part.pop(CRANK)
+            glb_by_part |= dict.fromkeys(crank_names(self.reducer), crank_glb)
+        if pin_glb:
+            glb_by_part |= {pin(number): pin_glb for number, _ in enumerate(ring_places(self.reducer), start=1)}
+        for part, glb_content in glb_by_part.items():
             entity = message.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
             model = entity.models.add(data=glb_content, media_type=MEDIA_TYPE)
@@ -140,8 +140,8 @@ class Scene:
             Log columns by name, shape (k,), in SI units.
         """
         poses_by_part = poses(self.reducer, columns)
-        pose = np.stack(list(poses_by_part.values()), axis=1)
-        rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
+        stacked_poses = np.stack(list(poses_by_part.values()), axis=1)
+        rows = np.flatnonzero(np.isfinite(stacked_poses.sum(axis=(1, 2)))).tolist()
         nanoseconds = np.rint(1e9 * time).astype(np.int64).tolist()
         forces = shown_forces(self.reducer, columns)
         arrows = self._compute_arrows(forces)
@@ -150,7 +150,11 @@ class Scene:
             for kind in dict.fromkeys(forces.kinds)
         }
         for row in rows:
-            yield FRAMES, nanoseconds[row], self._encode_transforms(list(poses_by_part), pose[row], nanoseconds[row])
+            yield (
+                FRAMES,
+                nanoseconds[row],
+                self._encode_transforms(list(poses_by_part), stacked_poses[row], nanoseconds[row]),
+            )
             yield FORCES, nanoseconds[row], self._encode_forces(rows_by_kind, arrows[row], nanoseconds[row])
 
     def _encode_transforms(self, parts: list[str], poses: Array, nanoseconds: int) -> bytes:
@@ -178,10 +182,10 @@ class Scene:
             entity = message.entities.add(frame_id=ROOT, id=kind)
             entity.timestamp.FromNanoseconds(nanoseconds)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
-            for x, y, z, sine, cosine, shaft, head in arrows[rows].tolist():
-                if not shaft + head > 0.0:
+            for x, y, z, sine, cosine, shaft_length, head_length in arrows[rows].tolist():
+                if not shaft_length + head_length > 0.0:
                     continue
-                arrow = entity.arrows.add(shaft_length=shaft, head_length=head)
+                arrow = entity.arrows.add(shaft_length=shaft_length, head_length=head_length)
                 position, rotation = arrow.pose.position, arrow.pose.orientation
                 position.x, position.y, position.z, rotation.z, rotation.w = x, y, z, sine, cosine
                 arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
@@ -199,15 +203,23 @@ class Scene:
         half_angle = 0.5 * np.arctan2(forces.force[..., 1], forces.force[..., 0])
         height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in forces.discs], half_angle.shape)
         length = forces.size * scale
-        head = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
-        arrow_values = (tail[..., 0], tail[..., 1], height, np.sin(half_angle), np.cos(half_angle), length - head, head)
+        head_length = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
+        arrow_values = (
+            tail[..., 0],
+            tail[..., 1],
+            height,
+            np.sin(half_angle),
+            np.cos(half_angle),
+            length - head_length,
+            head_length,
+        )
         return np.stack(arrow_values, axis=-1)
 
     @cached_property
     def _scales(self) -> dict[str, float]:
         """Length of an arrow per newton [m/N], by kind of mating pair."""
-        longest = ARROWS.length * self.design.ring.pin_circle_radius
-        return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
+        max_length = ARROWS.length * self.design.ring.pin_circle_radius
+        return {kind: max_length / force for kind, force in reference_force(self.reducer).items()}
 
 
 def _nanoseconds(time: float) -> int:

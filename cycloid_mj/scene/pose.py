@@ -101,21 +101,21 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring_angle: Array
     are displaced by their clearance in the direction in which the discs push them.
     """
     nominal_centres = ring_places(reducer)
-    numbers, zeros = range(1, len(nominal_centres) + 1), np.zeros_like(ring_angle)
+    pin_numbers, zeros = range(1, len(nominal_centres) + 1), np.zeros_like(ring_angle)
     displacements = np.array(
         [
             [columns.get(names.column(names.pin(number), name), zeros) for name in ("x", "y", "angle")]
-            for number in numbers
+            for number in pin_numbers
         ]
     ).swapaxes(1, 2)
     if reducer.design.ring.has_massless_pins:
-        force = np.array(
+        forces_on_discs = np.array(
             [
                 [_force_on_discs(reducer, columns, number, axis) for axis in (names.FORCE_X, names.FORCE_Y)]
-                for number in numbers
+                for number in pin_numbers
             ]
         )
-        displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring_angle))
+        displacements[..., :2] = _pressed_displacements(reducer, rotate(forces_on_discs.swapaxes(1, 2), -ring_angle))
     centres = rotate(nominal_centres[:, np.newaxis] + displacements[..., :2], ring_angle)
     return usable(np.concatenate([centres, displacements[..., 2:] + ring_angle[:, np.newaxis]], axis=-1))
 
@@ -129,8 +129,8 @@ def _force_on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int,
 
 def _pressed_displacements(reducer: Reducer, force: Array) -> Array:
     """Compute the displacements of massless pins [m]: by their clearance, against the `force` [N] on the discs."""
-    size = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
-    return -reducer.design.pin_play * force / size
+    magnitude = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
+    return -reducer.design.pin_play * force / magnitude
 
 
 def transform(pose: Array, points: Array) -> Array:

@@ -138,10 +138,10 @@ def render_model(
     for arrow in arrows:
         _add_arrow(scene, **arrow)
     with opengl(model, width, height) as context:
-        frame = mujoco.MjrRect(0, 0, width, height)
+        viewport = mujoco.MjrRect(0, 0, width, height)
         picture = np.empty((height, width, 3), dtype=np.uint8)
-        mujoco.mjr_render(frame, scene, context)
-        mujoco.mjr_readPixels(picture, None, frame, context)
+        mujoco.mjr_render(viewport, scene, context)
+        mujoco.mjr_readPixels(picture, None, viewport, context)
     return picture[::-1].copy()
 
 

@@ -79,9 +79,9 @@ def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
     LogError
         The run has columns for none of the joints.
     """
-    columns = _joint_columns(model, run)
-    for joint, name in columns.items():
-        data.joint(joint).qpos[0] = run[name][sample]
+    column_by_joint = _joint_columns(model, run)
+    for joint, column in column_by_joint.items():
+        data.joint(joint).qpos[0] = run[column][sample]
     data.time = run.time[sample]
     mujoco.mj_kinematics(model, data)
     mujoco.mj_camlight(model, data)
@@ -90,16 +90,16 @@ def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
 def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     """Return the joints of a run's model that have a column: joint name -> column name; raise LogError if none has."""
     joints = [model.joint(number).name for number in range(model.njnt)]
-    columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
-    if not columns:
+    column_by_joint = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
+    if not column_by_joint:
         raise LogError(
             f"{run.label} lacks the columns with the joint positions of its model: simulate the design again"
         )
-    return columns
+    return column_by_joint
 
 
 def _make_output_transparent(model: Any) -> None:
-    output = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "output")
+    output_body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "output")
     for geom in range(model.ngeom):
-        if model.geom_bodyid[geom] == output:
+        if model.geom_bodyid[geom] == output_body:
             model.geom_rgba[geom, 3] = VIEW.output_opacity

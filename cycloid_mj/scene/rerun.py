@@ -103,14 +103,14 @@ def _log_forces(rerun: Any, recording: Any, reducer: Reducer, time: Any, forces:
             arrow_z[list(forces_of_kind.discs)][:, np.newaxis], (*forces_of_kind.size.shape, 1)
         )
         origins = np.concatenate([forces_of_kind.point, arrow_z_by_force], axis=2) - vectors
-        count, pairs = forces_of_kind.size.shape
+        sample_count, pair_count = forces_of_kind.size.shape
         arrows = rerun.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"
         style = rerun.Arrows3D.from_fields(
             colors=[_colour_bytes(FORCE_COLOURS[kind])], radii=0.4 * ARROWS.thickness * ring_radius
         )
         recording.log(entity, style, static=True)
-        recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
+        recording.send_columns(entity, indexes=[time], columns=arrows.partition([pair_count] * sample_count))
 
 
 def _viewer_layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
@@ -120,18 +120,20 @@ def _viewer_layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> A
     """
     rrb = importlib.import_module("rerun.blueprint")
     entities = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
-    speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))
-    torques = (column(reducer.INPUT, "torque"), "load_torque")
+    speed_columns = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))
+    torque_columns = (column(reducer.INPUT, "torque"), "load_torque")
     plots = [
         rrb.TimeSeriesView(name=", ".join(names), contents=[entities[name] for name in names])
-        for names in (speeds, ("output_speed",), torques, ("peak_force",))
+        for names in (speed_columns, ("output_speed",), torque_columns, ("peak_force",))
         if all(name in entities for name in names)
     ]
     housing_radius = reducer.design.housing.outer_radius
-    eye = rrb.EyeControls3D(
+    eye_controls = rrb.EyeControls3D(
         position=[0.8 * housing_radius, 0.6 * housing_radius, 3.2 * housing_radius],
         look_target=[0, 0, 0],
         eye_up=[0, 1, 0],
     )
-    mechanism = rrb.Spatial3DView(origin=f"/{MECHANISM}", name="mechanism", eye_controls=eye, line_grid=False)
-    return rrb.Blueprint(rrb.Horizontal(mechanism, rrb.Vertical(*plots)))
+    mechanism_view = rrb.Spatial3DView(
+        origin=f"/{MECHANISM}", name="mechanism", eye_controls=eye_controls, line_grid=False
+    )
+    return rrb.Blueprint(rrb.Horizontal(mechanism_view, rrb.Vertical(*plots)))

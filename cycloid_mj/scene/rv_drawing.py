@@ -55,9 +55,13 @@ def largest_rv_magnification(reducer: RvReducer) -> float:
 
     Each part keeps at least `DRAWING.min_radius_share` of its radius.
     """
-    radii = [(reducer.design.ring.pin_radius, tooth_clearance(reducer))]
-    radii += [(reducer.bore_radius, clearance) for clearance in (reducer.bearing_clearance,) if clearance > 0.0]
-    return 1.0 + (1.0 - DRAWING.min_radius_share) * min(radius / clearance for radius, clearance in radii)
+    radii_and_clearances = [(reducer.design.ring.pin_radius, tooth_clearance(reducer))]
+    radii_and_clearances += [
+        (reducer.bore_radius, clearance) for clearance in (reducer.bearing_clearance,) if clearance > 0.0
+    ]
+    return 1.0 + (1.0 - DRAWING.min_radius_share) * min(
+        radius / clearance for radius, clearance in radii_and_clearances
+    )
 
 
 def draw_rv_poses(
@@ -82,18 +86,20 @@ def draw_rv_poses(
         The magnification is below 1 or beyond `largest_rv_magnification`.
     """
     check_magnification(reducer, magnification, largest_rv_magnification(reducer))
-    poses_by_part, bearing = poses(reducer, columns), reducer.mechanism.mating(CRANK_BEARING, disc)
-    cranks = np.stack([poses_by_part[name] for name in crank_names(reducer)], axis=1)
-    mesh = magnify_mesh(reducer, measure_mesh(reducer, poses_by_part, cranks[..., 2].mean(axis=1), disc), magnification)
-    gear = poses_by_part[reducer.gears[disc]][:, np.newaxis]
-    displacement = transform(cranks, bearing.by.position) - transform(gear, bearing.on.position)
+    poses_by_part, crank_mating = poses(reducer, columns), reducer.mechanism.mating(CRANK_BEARING, disc)
+    crank_poses = np.stack([poses_by_part[name] for name in crank_names(reducer)], axis=1)
+    mesh = magnify_mesh(
+        reducer, measure_mesh(reducer, poses_by_part, crank_poses[..., 2].mean(axis=1), disc), magnification
+    )
+    disc_poses = poses_by_part[reducer.gears[disc]][:, np.newaxis]
+    displacement = transform(crank_poses, crank_mating.by.position) - transform(disc_poses, crank_mating.on.position)
     eccentrics = transform(mesh.gear[:, np.newaxis], crank_centres(reducer)) + magnification * displacement
-    axes = eccentrics - rotate(bearing.by.position, cranks[..., 2])
+    axis_centres = eccentrics - rotate(crank_mating.by.position, crank_poses[..., 2])
     return RvDrawing(
         **vars(mesh),
         eccentric_radius=reducer.bore_radius - magnification * max(reducer.bearing_clearance, 0.0),
         eccentrics=eccentrics,
-        cranks=np.concatenate([axes, cranks[..., 2:]], axis=-1),
+        cranks=np.concatenate([axis_centres, crank_poses[..., 2:]], axis=-1),
         posts=transform(poses_by_part[OUTPUT][:, np.newaxis], post_centres(reducer)),
         sun=poses_by_part[SUN],
     )

@@ -31,47 +31,51 @@ def shade(mesh: Mesh) -> ShadedMesh:
     """
     corners = mesh.vertices[mesh.faces]
     cross_products = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(cross_products, axis=1, keepdims=True)
-    face_normals = np.divide(cross_products, area, out=np.zeros_like(cross_products), where=area > 0.0)
-    adjacent = _adjacent_faces(mesh.faces)
-    is_smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
-    surface = _connected_components(adjacent[is_smooth], len(mesh.faces))
+    cross_lengths = np.linalg.norm(cross_products, axis=1, keepdims=True)
+    face_normals = np.divide(
+        cross_products, cross_lengths, out=np.zeros_like(cross_products), where=cross_lengths > 0.0
+    )
+    adjacent_faces = _adjacent_faces(mesh.faces)
+    is_smooth = np.einsum("ij,ij->i", face_normals[adjacent_faces[:, 0]], face_normals[adjacent_faces[:, 1]]) >= np.cos(
+        CREASE
+    )
+    surface = _connected_components(adjacent_faces[is_smooth], len(mesh.faces))
     vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
     unique_keys, vertex_indices = np.unique(vertex_keys, return_inverse=True)
     faces = vertex_indices.reshape(-1, 3)
     weighted_normals = (_corner_angles(corners)[..., np.newaxis] * face_normals[:, np.newaxis]).reshape(-1, 3)
-    sums = np.stack(
+    normal_sums = np.stack(
         [np.bincount(faces.ravel(), weights=component, minlength=len(unique_keys)) for component in weighted_normals.T],
         axis=1,
     )
-    normals = sums / np.linalg.norm(sums, axis=1, keepdims=True)
+    normals = normal_sums / np.linalg.norm(normal_sums, axis=1, keepdims=True)
     return ShadedMesh(mesh.vertices[unique_keys % len(mesh.vertices)], normals, faces.astype(np.int32))
 
 
 def _adjacent_faces(faces: Faces) -> Integers:
     """Return the pairs of faces (k, 2) that share an edge of a watertight mesh."""
-    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
-    edge = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
+    start_nodes, end_nodes = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    edge = np.minimum(start_nodes, end_nodes) * (int(faces.max()) + 1) + np.maximum(start_nodes, end_nodes)
     order = np.argsort(edge, kind="stable")
     return (order // 3).reshape(-1, 2)
 
 
-def _connected_components(pairs: Integers, count: int) -> Integers:
-    """Label the connected components of a graph: return for each of `count` nodes the smallest node of its component.
+def _connected_components(pairs: Integers, node_count: int) -> Integers:
+    """Label the connected components of a graph: return for each node the smallest node of its component.
 
-    `pairs` (k, 2) are the connected nodes. Each round hooks roots onto smaller neighbours and then shortens all paths
-    (Shiloach & Vishkin 1982).
+    `pairs` (k, 2) are the connected nodes, numbered from 0 to `node_count` - 1. Each round hooks roots onto smaller
+    neighbours and then shortens all paths (Shiloach & Vishkin 1982).
     """
-    root = np.arange(count)
+    root = np.arange(node_count)
     first_nodes, second_nodes = pairs.T
     while True:
         first_roots, second_roots = root[first_nodes], root[second_nodes]
-        smaller, larger = np.minimum(first_roots, second_roots), np.maximum(first_roots, second_roots)
-        if (smaller == larger).all():
+        smaller_roots, larger_roots = np.minimum(first_roots, second_roots), np.maximum(first_roots, second_roots)
+        if (smaller_roots == larger_roots).all():
             return root
-        np.minimum.at(root, larger, smaller)
-        while (shorter := root[root]).tolist() != root.tolist():
-            root = shorter
+        np.minimum.at(root, larger_roots, smaller_roots)
+        while (shortened_root := root[root]).tolist() != root.tolist():
+            root = shortened_root
 
 
 def _corner_angles(corners: Array) -> Array:

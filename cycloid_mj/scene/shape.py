@@ -38,12 +38,12 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     """
     solids = parts(reducer, CHORD_ERROR)
     attached_by_body = {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}
-    planes = {
+    positions = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
     pieces_by_part = {
-        name: _coloured_pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
+        name: _coloured_pieces(name, solid, positions.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
     }
     for body, attached_by_name in attached_by_body.items():
         pieces_by_part[body] = pieces_by_part.get(body, ()) + tuple(
@@ -62,17 +62,20 @@ def _coloured_pieces(name: str, solid: Solid, position: Array, reducer: Reducer)
         return (Piece("carrier", mesh(solid), COLOURS["disc"]),)
     if name != OUTPUT:
         return (_piece(name, solid, position),)
-    disc, *other_prisms = solid.prisms
-    pins, second_disc_prisms = other_prisms[: reducer.design.output.pins], other_prisms[reducer.design.output.pins :]
-    discs = [
-        Piece("disc", mesh(disc), COLOURS["disc"]),
-        *(Piece("second_disc", mesh(ring), COLOURS["disc"]) for ring in second_disc_prisms),
+    disc_prism, *other_prisms = solid.prisms
+    pin_prisms, second_disc_prisms = (
+        other_prisms[: reducer.design.output.pins],
+        other_prisms[reducer.design.output.pins :],
+    )
+    disc_pieces = [
+        Piece("disc", mesh(disc_prism), COLOURS["disc"]),
+        *(Piece("second_disc", mesh(prism), COLOURS["disc"]) for prism in second_disc_prisms),
     ]
-    return Piece("pins", mesh(Solid("output", tuple(pins), solid.density)), COLOURS[OUTPUT]), *discs
+    return Piece("pins", mesh(Solid("output", tuple(pin_prisms), solid.density)), COLOURS[OUTPUT]), *disc_pieces
 
 
 def _piece(name: str, solid: Solid, position: Array) -> Piece:
     """Return a solid as a piece at a position, shape (3,) [m]."""
-    shape = mesh(solid)
-    placed = Mesh(shape.vertices + position, shape.faces) if position.any() else shape
-    return Piece(name, placed, tint(COLOURS[family(name)], name))
+    solid_mesh = mesh(solid)
+    moved_mesh = Mesh(solid_mesh.vertices + position, solid_mesh.faces) if position.any() else solid_mesh
+    return Piece(name, moved_mesh, tint(COLOURS[family(name)], name))
