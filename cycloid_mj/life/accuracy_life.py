@@ -167,8 +167,9 @@ class WearLife(Presented):
     def life_text(self, case: Case = "typical") -> str:
         """Format the accuracy life [h], after which wear has increased the lost motion by the permitted growth.
 
-        The text is the hours, "about ... h, extrapolated", "unlimited" or "not computed". `case` is "low", "typical" or
-        "high", for wear coefficients at their 5, 50 or 95 % percentile.
+        The text is the hours; "about ... h, extrapolated" for a life beyond the computed hours; "unlimited" if the lost
+        motion does not grow; or "not computed" if the case was not begun. `case` is "low", "typical" or "high", for
+        wear coefficients at their 5, 50 or 95 % percentile.
         """
         life = self.life(case)
         if math.isnan(life):

@@ -577,7 +577,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     count_by_solid = {PIN: design.ring.teeth}
     mass = sum(solid.mass * count_by_solid.get(name, 1) for name, solid in solids.items())
-    extent = axial_extent(reducer)
+    z_ends = axial_extent(reducer)
     return (
         Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn, without covers and bearing rings"),
         Quantity("inertia", "Inertia of the mechanism", KG_CM2 * input_inertia(reducer), "kg cm2", note="at the input"),
@@ -590,7 +590,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         Quantity(
             "length",
             "Length of the mechanism",
-            1e3 * (extent[1] - extent[0]),
+            1e3 * (z_ends[1] - z_ends[0]),
             "mm",
             note="input journal to output disc",
         ),
@@ -610,8 +610,8 @@ def axial_extent(reducer: Reducer) -> tuple[float, float]:
     """Compute the ends of the mechanism along z [m]."""
     if isinstance(reducer, RvReducer):
         return axial_layout(reducer).ends
-    drawn = parts(reducer, VISUAL_CHORD_ERROR).values()
-    ends = [end for solid in drawn for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    solids = parts(reducer, VISUAL_CHORD_ERROR).values()
+    ends = [end for solid in solids for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
 
 

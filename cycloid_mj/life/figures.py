@@ -119,8 +119,8 @@ def least_safety(reducer: Reducer) -> float:
 def drive_efficiency(reducer: Reducer) -> float:
     """Compute the efficiency at the nominal torque and speed with the bearings of shaft and output [%]."""
     design = reducer.design
-    useful = design.rated_torque * abs(design.drive.speed) / design.reduction
-    return 100.0 * useful / (useful + rate_at_rated_load(reducer).items["power_lost"].value)
+    output_power = design.rated_torque * abs(design.drive.speed) / design.reduction
+    return 100.0 * output_power / (output_power + rate_at_rated_load(reducer).items["power_lost"].value)
 
 
 def temperature_rise(reducer: Reducer) -> float:
@@ -136,5 +136,5 @@ def momentary(reducer: Reducer) -> float:
 
 def torque_for_life(reducer: Reducer) -> float:
     """Compute the rated torque for the design's life and speed, at most the momentary torque [N m]."""
-    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
-    return min(rated, momentary(reducer))
+    rated_limit, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
+    return min(rated_limit, momentary(reducer))

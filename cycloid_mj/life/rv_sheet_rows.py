@@ -217,17 +217,18 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     cooling_text = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling_text}"
     housing_rise = temperatures["housing"] - reducer.design.service.ambient_temperature
-    hottest = max(temperatures, key=lambda part: temperatures[part])
+    hottest_part = max(temperatures, key=lambda part: temperatures[part])
     yield Quantity(
         "temperature_rise",
         "Temperature rise",
         housing_rise,
         "K",
-        note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
+        note=f"housing; {hottest_part} {temperatures[hottest_part] - temperatures['housing']:.3g} K warmer; "
+        f"{condition}",
     )
     if math.isfinite(thermal_state.torque):
-        words = replace(thermal_state, momentary_torque=momentary_torque(reducer)[0]).torque_words
-        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {words}"
+        limit_text = replace(thermal_state, momentary_torque=momentary_torque(reducer)[0]).torque_words
+        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {limit_text}"
         yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=note)
     if math.isfinite(speed := permissible_speed(reducer.design, 1.0)):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"

@@ -62,7 +62,7 @@ def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -
     ambient = reducer.design.service.ambient_temperature
     course = _solve_warm_up(reducer, duty, steady_state, settings)
     moments = _follow_clearances(reducer.design, course)
-    tightest = min(moments, key=lambda moment: min(moment.play, moment.clearance))
+    tightest_moment = min(moments, key=lambda moment: min(moment.play, moment.clearance))
     torque_factor, limited_by = _limit_in_cycles(
         cold,
         duty,
@@ -90,7 +90,7 @@ def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -
         largest_difference=max(
             float(np.max(rises["disc"] - rises["ring"])) for rises in (course.rises, course.periodic)
         ),
-        tightest=tightest,
+        tightest=tightest_moment,
         smallest_play=min(moment.play for moment in moments),
         converged=steady_state.converged,
         assumptions=tuple(_assumptions(reducer, steady_state)),
@@ -181,20 +181,20 @@ def permissible_speed(design: Design, duty_share: float) -> float:
 def _limit_in_cycles(
     reducer: Reducer,
     duty: Duty,
-    by_mean: ScaleLimit,
+    mean_limit: ScaleLimit,
     scale_point: Callable[[DutyPoint, float], dict[str, float]],
     settings: ThermalSettings,
 ) -> tuple[float, str]:
     """Find the largest factor on all torques or speeds of a duty that heat allows, and the limit in words.
 
-    No thermal limit may be exceeded by the mean temperatures, nor at any time of the warm-up and of a cycle. `by_mean`
-    is the limit by the mean temperatures; `scale_point` is a function from a point of the duty and a factor to the
-    changed values of the point. The reducer is at 20 °C.
+    No thermal limit may be exceeded by the mean temperatures, nor at any time of the warm-up and of a cycle.
+    `mean_limit` is the limit by the mean temperatures; `scale_point` is a function from a point of the duty and a
+    factor to the changed values of the point. The reducer is at 20 °C.
     """
     from scipy.optimize import brentq
 
-    if len(duty.points) == 1 or not 0.0 < by_mean.factor < math.inf:
-        return by_mean.factor, by_mean.limit.name
+    if len(duty.points) == 1 or not 0.0 < mean_limit.factor < math.inf:
+        return mean_limit.factor, mean_limit.limit.name
 
     @cache
     def tightest_margin(factor: float) -> tuple[float, str]:
@@ -204,23 +204,25 @@ def _limit_in_cycles(
         steady_state = solve_steady_state(reducer, scaled_duty, settings)
         course = _solve_warm_up(state_seals(reducer), scaled_duty, steady_state, settings)
         moments = _follow_clearances(reducer.design, course)
-        tightest = min(moments, key=lambda moment: min(moment.play, moment.clearance))
-        hottest = max(moments, key=lambda moment: max(moment.rises.values()))
+        tightest_moment = min(moments, key=lambda moment: min(moment.play, moment.clearance))
+        hottest_moment = max(moments, key=lambda moment: max(moment.rises.values()))
         ambient = reducer.design.service.ambient_temperature
         return min(
             (margin, limit)
-            for rises in (tightest.rises, hottest.rises)
+            for rises in (tightest_moment.rises, hottest_moment.rises)
             for limit, margin in thermal_margins(reducer, {part: ambient + rise for part, rise in rises.items()})
         )
 
-    highest = settings.approach * by_mean.factor
-    if tightest_margin(highest)[0] >= 0.0:
-        return by_mean.factor, by_mean.limit.name
-    lowest = 0.5 * highest
-    while tightest_margin(lowest)[0] < 0.0 and lowest > settings.smallest:
-        lowest *= 0.5
-    factor = brentq(lambda factor: tightest_margin(factor)[0], lowest, 2.0 * lowest, rtol=settings.resolution)
-    return float(factor), f"{tightest_margin(2.0 * lowest)[1]}, at times of a cycle"
+    upper_factor = settings.approach * mean_limit.factor
+    if tightest_margin(upper_factor)[0] >= 0.0:
+        return mean_limit.factor, mean_limit.limit.name
+    lower_factor = 0.5 * upper_factor
+    while tightest_margin(lower_factor)[0] < 0.0 and lower_factor > settings.smallest:
+        lower_factor *= 0.5
+    factor = brentq(
+        lambda factor: tightest_margin(factor)[0], lower_factor, 2.0 * lower_factor, rtol=settings.resolution
+    )
+    return float(factor), f"{tightest_margin(2.0 * lower_factor)[1]}, at times of a cycle"
 
 
 def _assumptions(reducer: Reducer, steady_state: SteadyState) -> Iterator[str]:

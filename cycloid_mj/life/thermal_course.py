@@ -89,7 +89,7 @@ def solve_course(
     capacity = np.array([network.capacities[node] for node in nodes])
     steps: list[tuple[Array, float]] = []
     for point in points:
-        count = max(1, round(samples_per_cycle * point.duration / cycle_duration))
+        step_count = max(1, round(samples_per_cycle * point.duration / cycle_duration))
         heat, slope = (
             np.array([values_by_node.get(node, 0.0) for node in nodes]) for values_by_node in (point.heat, point.slope)
         )
@@ -98,22 +98,22 @@ def solve_course(
         rate_matrix[:-1, nodes.index(controlling)] += slope
         rate_matrix[:-1, -1] = heat - slope * reference_rise
         rate_matrix[:-1] /= capacity[:, np.newaxis]
-        duration = point.duration / count
-        steps += [(expm(duration * rate_matrix), duration)] * count
+        duration = point.duration / step_count
+        steps += [(expm(duration * rate_matrix), duration)] * step_count
     step_matrices = [matrix for matrix, _ in steps]
     cycle_matrix = np.linalg.multi_dot([*step_matrices[::-1], np.eye(len(nodes) + 1)])
     periodic_start = np.linalg.solve(np.eye(len(nodes)) - cycle_matrix[:-1, :-1], cycle_matrix[:-1, -1])
     times = np.cumsum([0.0, *[duration for _, duration in steps] * cycles])
     rises, periodic_rises = (
-        dict(zip(nodes, _follow(start, matrices), strict=True))
-        for start, matrices in ((np.zeros(len(nodes)), step_matrices * cycles), (periodic_start, step_matrices))
+        dict(zip(nodes, _follow(start_rises, matrices), strict=True))
+        for start_rises, matrices in ((np.zeros(len(nodes)), step_matrices * cycles), (periodic_start, step_matrices))
     )
     return TemperatureCourse(times, rises, periodic_rises)
 
 
-def _follow(start: Array, step_matrices: Sequence[Array]) -> Array:
-    """Return the rises of n nodes from a start (n,) on after each of k steps [K], shape (n, k + 1)."""
-    states = [np.append(start, 1.0)]
+def _follow(start_rises: Array, step_matrices: Sequence[Array]) -> Array:
+    """Return the rises [K] of n nodes at the start, `start_rises` (n,), and after each of k steps, (n, k + 1)."""
+    states = [np.append(start_rises, 1.0)]
     for matrix in step_matrices:
         states.append(matrix @ states[-1])
     return np.array(states)[:, :-1].T

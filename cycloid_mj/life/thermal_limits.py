@@ -137,18 +137,18 @@ class ScaleSearch:
             return at_limit
         level = self.settings.runaway_level
         try:
-            cooler = self._find_limit(at_limit.factor, level, at_limit.limit.rises)
+            cooler_limit = self._find_limit(at_limit.factor, level, at_limit.limit.rises)
         except RunError:
             return at_limit
-        if level * cooler.factor <= 1.0:  # the drive heats beyond this level, up to the limit
+        if level * cooler_limit.factor <= 1.0:  # the drive heats beyond this level, up to the limit
             return at_limit
-        best = minimize_scalar(
+        maximum = minimize_scalar(
             lambda level: -self._solve_level(level, at_limit).factor,
             bounds=self.settings.levels,
             method="bounded",
             options={"xatol": self.settings.level_resolution},
         )
-        return ScaleLimit(max(-float(best.fun), at_limit.factor), at_limit.limit)
+        return ScaleLimit(max(-float(maximum.fun), at_limit.factor), at_limit.limit)
 
     def _find_limit(self, scale: float, level: float, limit_rises: Mapping[str, float]) -> RiseLimit:
         """Return the thermal limit of the temperature rises that the losses cause at a factor `scale` on the duty.
@@ -172,55 +172,61 @@ class ScaleSearch:
         If no equilibrium exists at a factor, it is reduced towards the last one at which one did.
         """
         settings, limit, slope = self.settings, start.limit, 1.0
-        lowest, highest = math.log(settings.smallest), math.log(self.largest)
-        position = math.log(min(max(start.factor, settings.smallest), self.largest))
-        last: tuple[float, float] | None = None
+        min_log, max_log = math.log(settings.smallest), math.log(self.largest)
+        log_factor = math.log(min(max(start.factor, settings.smallest), self.largest))
+        last_point: tuple[float, float] | None = None
         for _ in range(settings.corrections):
             try:
-                found = self._find_limit(math.exp(position), level, limit.rises)
+                rise_limit = self._find_limit(math.exp(log_factor), level, limit.rises)
             except RunError:
                 limit = replace(limit, name=NO_EQUILIBRIUM)
-                reduced = 0.5 * (position + last[0]) if last else position - math.log(2.0)
-                if reduced < lowest or position - reduced < settings.resolution:
+                reduced_log = 0.5 * (log_factor + last_point[0]) if last_point else log_factor - math.log(2.0)
+                if reduced_log < min_log or log_factor - reduced_log < settings.resolution:
                     break
-                position = reduced
+                log_factor = reduced_log
                 continue
-            if not found.factor:
-                return ScaleLimit(0.0, found)
-            excess = -math.log(level * min(found.factor, settings.largest))
-            if last and abs(position - last[0]) > 1e-6:
-                slope = min(max((excess - last[1]) / (position - last[0]), settings.slopes[0]), settings.slopes[1])
-            shift = max(abs(rise - limit.rises[part]) for part, rise in found.rises.items())
-            alternates = last is not None and excess * last[1] < 0.0
-            rises = {part: 0.5 * (rise + limit.rises[part]) for part, rise in found.rises.items()}
-            limit = replace(found, rises=rises) if alternates else found
-            step = min(max(-excess / slope, -settings.largest_step), settings.largest_step)
-            following = min(max(position + step, lowest), highest)
-            if following == position and excess > 0.0:
+            if not rise_limit.factor:
+                return ScaleLimit(0.0, rise_limit)
+            log_excess = -math.log(level * min(rise_limit.factor, settings.largest))
+            if last_point and abs(log_factor - last_point[0]) > 1e-6:
+                slope = min(
+                    max((log_excess - last_point[1]) / (log_factor - last_point[0]), settings.slopes[0]),
+                    settings.slopes[1],
+                )
+            rise_change = max(abs(rise - limit.rises[part]) for part, rise in rise_limit.rises.items())
+            alternates = last_point is not None and log_excess * last_point[1] < 0.0
+            rises = {part: 0.5 * (rise + limit.rises[part]) for part, rise in rise_limit.rises.items()}
+            limit = replace(rise_limit, rises=rises) if alternates else rise_limit
+            log_step = min(max(-log_excess / slope, -settings.largest_step), settings.largest_step)
+            next_log = min(max(log_factor + log_step, min_log), max_log)
+            if next_log == log_factor and log_excess > 0.0:
                 return ScaleLimit(0.0, limit)
-            if following == position and excess < 0.0:
+            if next_log == log_factor and log_excess < 0.0:
                 return ScaleLimit(math.inf, replace(limit, name=NO_LIMIT))
-            error = max(abs(excess), abs(following - position), shift / max(found.rises.values()))
-            converged = last is not None and error < settings.resolution
-            last, position = (position, excess), following
-            if converged:
+            relative_change = max(
+                abs(log_excess), abs(next_log - log_factor), rise_change / max(rise_limit.rises.values())
+            )
+            is_converged = last_point is not None and relative_change < settings.resolution
+            last_point, log_factor = (log_factor, log_excess), next_log
+            if is_converged:
                 break
-        return ScaleLimit(math.exp(position), limit)
+        return ScaleLimit(math.exp(log_factor), limit)
 
 
 def _start_search(reducer: Reducer, steady_state: SteadyState, settings: ThermalSettings) -> ScaleLimit:
     """Return the first estimate of a search: losses that are in proportion to the factor."""
     ambient = reducer.design.service.ambient_temperature
-    rises = {part: value - ambient for part, value in steady_state.temperatures.items()}
+    rises = {part: temperature - ambient for part, temperature in steady_state.temperatures.items()}
     limit = find_rise_limit(reducer, rises, settings)
     return ScaleLimit(limit.factor, limit)
 
 
 @once
 def find_speed_factor(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> ScaleLimit:
-    """Find the largest factor on all speeds of a duty at which its mean losses exceed no thermal limit.
+    """Find the largest factor on all speeds of a duty at which the steady temperatures exceed no thermal limit.
 
-    The reducer is at 20 °C; errors as `solve_steady_state`.
+    Temperatures are those of the mean losses. The result also has the limit that is then reached. The reducer is at 20
+    °C; errors as `solve_steady_state`.
     """
     steady_state, reducer = solve_steady_state(reducer, duty, settings), state_seals(reducer)
     points = _running_points(reducer, duty)
@@ -242,9 +248,8 @@ def _running_points(reducer: Reducer, duty: Duty) -> tuple[DutyPoint, ...]:
 def find_torque_factor(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> ScaleLimit:
     """Find the largest factor on all torques of a duty at which the steady temperatures exceed no thermal limit.
 
-    Temperatures are those of the mean losses. The result also has the limit that is then reached.
-
-    The reducer is at 20 °C; errors as `solve_steady_state`.
+    Temperatures are those of the mean losses. The result also has the limit that is then reached. The reducer is at 20
+    °C; errors as `solve_steady_state`.
     """
     steady_state, reducer = solve_steady_state(reducer, duty, settings), state_seals(reducer)
     search = _torque_search(reducer, _running_points(reducer, duty), settings)
@@ -257,30 +262,30 @@ def find_duty_torques(reducer: Reducer, duty: Duty, settings: ThermalSettings = 
     The keys are the shares `ThermalSettings.duty_shares`. The running time has the points of the duty, and the cycles
     are so short that they heat as their mean. The reducer is at 20 °C; errors as `solve_steady_state`.
     """
-    by_mean, reducer = find_torque_factor(reducer, duty, settings), state_seals(reducer)
+    duty_limit, reducer = find_torque_factor(reducer, duty, settings), state_seals(reducer)
     points = _running_points(reducer, duty)
-    max_torque, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
-    limits, last_share = {}, running
-    start = by_mean if 0.0 < by_mean.factor < math.inf else replace(by_mean, factor=1.0)
+    max_torque, running_share = max(abs(point.torque) for point in points), sum(point.share for point in points)
+    limits, last_share = {}, running_share
+    start_limit = duty_limit if 0.0 < duty_limit.factor < math.inf else replace(duty_limit, factor=1.0)
     for share in reversed(settings.duty_shares):
-        limit = by_mean
-        if not math.isclose(share, running):
-            rested = [replace(point, share=share / running * point.share) for point in points]
-            estimate = replace(start, factor=start.factor * last_share / share)
-            limit = _torque_search(reducer, rested, settings).solve(estimate)
+        limit = duty_limit
+        if not math.isclose(share, running_share):
+            points_with_rests = [replace(point, share=share / running_share * point.share) for point in points]
+            estimate = replace(start_limit, factor=start_limit.factor * last_share / share)
+            limit = _torque_search(reducer, points_with_rests, settings).solve(estimate)
         limits[share] = limit.factor * max_torque
         if 0.0 < limit.factor < math.inf:
-            start, last_share = limit, share
+            start_limit, last_share = limit, share
     return dict(sorted(limits.items()))
 
 
 def _torque_search(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> ScaleSearch:
     """Return the search for the largest factor on the torques of a duty, whose mean losses set the temperatures."""
     nominal_factor = max(1.0, reducer.design.rated_torque / max(abs(point.torque) for point in points))
-    running = sum(point.share for point in points)
+    running_share = sum(point.share for point in points)
     return ScaleSearch(
         reducer,
         settings,
         lambda factor: [replace(point, torque=factor * point.torque) for point in points],
-        settings.largest * nominal_factor / running,
+        settings.largest * nominal_factor / running_share,
     )

@@ -190,13 +190,13 @@ class ThermalState(Presented):
         """Return five tables on the heat of a drive: parts, losses, torque limits by duty, clearances, conductances."""
         is_usable = not max(self.duty_torques.values()) > self.momentary_torque
         strength_note = "" if is_usable else f", by heat alone: momentary torque {self.momentary_torque:.4g} N m"
-        parts = tuple(
+        part_rows = tuple(
             (part, value, self.peaks[part], self.heat[part], self.network.capacities[part])
             for part, value in self.temperatures.items()
         )
-        head = ("part", "mean temperature [°C]", "largest in a cycle [°C]", "heat [W]", "heat capacity [J/K]")
+        part_headings = ("part", "mean temperature [°C]", "largest in a cycle [°C]", "heat [W]", "heat capacity [J/K]")
         return (
-            Table("Parts", head, parts),
+            Table("Parts", part_headings, part_rows),
             Table("Losses", ("source", "power [W]"), tuple(self.losses.items())),
             Table(
                 f"Thermal torque limit by duty (S3, rest without speed){strength_note}",

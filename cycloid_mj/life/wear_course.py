@@ -200,21 +200,21 @@ class WearTrend:
         def excess(hours: float) -> float:
             """Return by how much the limit or a thickness is exceeded after some hours, relative to it [1]."""
             depths = self._depths(hours)
-            worn = max(float(depths[item.key].max()) / item.thickness for item in self.drive.surfaces)
-            return max(self._mean_opening(depths) / opening_limit, worn) - 1.0
+            worn_share = max(float(depths[item.key].max()) / item.thickness for item in self.drive.surfaces)
+            return max(self._mean_opening(depths) / opening_limit, worn_share) - 1.0
 
-        end = 2.0 * self.last.hours
-        while excess(end) < 0.0:
-            end *= 2.0
-        return float(brentq(excess, self.last.hours, end, rtol=1e-6))
+        upper_hours = 2.0 * self.last.hours
+        while excess(upper_hours) < 0.0:
+            upper_hours *= 2.0
+        return float(brentq(excess, self.last.hours, upper_hours, rtol=1e-6))
 
     def _depths(self, hours: float) -> dict[str, Array]:
         """Return the depths [m] of the cells of each surface after some hours, by the key of the surface."""
-        first, last, laws = self.previous, self.last, self.drive.laws
-        elapsed_share = (hours - last.hours) / (last.hours - first.hours)
+        first_state, last_state, laws = self.previous, self.last, self.drive.laws
+        elapsed_share = (hours - last_state.hours) / (last_state.hours - first_state.hours)
         return {
-            key: worn_depth(dose + elapsed_share * (dose - first.doses[key]), *laws[key].values(self.case))
-            for key, dose in last.doses.items()
+            key: worn_depth(dose + elapsed_share * (dose - first_state.doses[key]), *laws[key].values(self.case))
+            for key, dose in last_state.doses.items()
         }
 
     def _mean_opening(self, depths: Mapping[str, Array]) -> float:

@@ -68,11 +68,13 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
     at the speed of the crank and at the speed of the crank relative to the disc. `quick` has no effect.
     """
     rows = [relative(f"C of {cage}", cage.rating(), cage.dynamic, "N", CATALOGUE, 5.0) for cage in CAGES]
-    crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
-    gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
-    ring = ideal_loads.ideal_load_sharing(gear, 58.0, crank)
-    cam = ideal_loads.cam_force(ring, ideal_loads.ideal_output_forces(gear, 4, 34e-3, 58.0, crank), crank)
-    mean_force = rolling.mean_load(rolling.magnitudes(cam))
+    crank_angles = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
+    tooth_profile, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
+    ring_sharing = ideal_loads.ideal_load_sharing(tooth_profile, 58.0, crank_angles)
+    cam_forces = ideal_loads.cam_force(
+        ring_sharing, ideal_loads.ideal_output_forces(tooth_profile, 4, 34e-3, 58.0, crank_angles), crank_angles
+    )
+    mean_force = rolling.mean_load(rolling.magnitudes(cam_forces))
     rows.append(relative("cam force, 10/3-power mean of a turn", mean_force, 2294.0, "N", source, 0.5))
     for speed_name, speed, hours in (("crank's", 600.0, 126_953.0), ("relative", 600.0 * (1 + 1 / 29), 122_721.0)):
         life = rolling.life_hours(34_500.0, 1.2 * mean_force, speed * RPM)
