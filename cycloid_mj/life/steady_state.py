@@ -5,6 +5,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
@@ -31,6 +34,10 @@ class ThermalSettings:
         to the assumed conductances.
     rounds
         Largest number of iterations.
+    film_step, largest_relaxation
+        First step of the iteration with film friction, as a share of the full step, and largest relaxation factor of
+        the next steps. The losses of cold oil are too large: a full step may pass over the state that a warm-up
+        reaches, to a hotter one.
     hottest
         Temperature at which the iteration ends [°C], the largest that a design file allows: no drive gets so hot.
     smallest, largest
@@ -47,7 +54,8 @@ class ThermalSettings:
     approach
         Share of the temperature rises at a limit at which these losses are computed, so that the parts do not yet jam.
     smallest_step
-        Smallest step of the iteration, as a share of the full step; steps are shortened if the parts would jam.
+        Smallest relaxation factor of the iteration, and smallest share to which a step is shortened if the parts would
+        jam.
     crank_angles
         Number of crank angles at which losses and conductances are computed.
     samples, time_constants
@@ -58,6 +66,8 @@ class ThermalSettings:
 
     tolerance: float = 0.05
     rounds: int = 40
+    film_step: float = 0.5
+    largest_relaxation: float = 4.0
     hottest: float = 300.0
     smallest: float = 1e-3
     largest: float = 100.0
@@ -225,7 +235,8 @@ def at_steady_temperatures(reducer: Drive) -> Drive:
 def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> SteadyState:
     """Solve for the steady state by fixed-point iteration from 20 °C, at the points of a duty at which the crank turns.
 
-    Losses and conductances depend on the temperatures, also through the clearances. If the parts jam at the next
+    Losses and conductances depend on the temperatures, also through the clearances. Steps have Aitken's relaxation
+    factor (`_relaxation`). If the parts jam at the next
     temperatures, have no equilibrium there or are too hot, the step is shortened. If this is so after the shortest step
     as well, the result has the losses before that step and states the obstacle. `settings` has the number of rounds and
     the tolerances.
@@ -234,16 +245,19 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     point_losses, network = solve_losses(reducer, points, temperatures, settings)
     cold_losses, obstacle = point_losses, NO_AGREEMENT
+    last_residual: Array | None = None
+    last_step = settings.film_step if reducer.design.has_film else 1.0
     for rounds_left in range(settings.rounds, 0, -1):
         losses = mean_of_points(points, point_losses)
         target_temperatures = {
             part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()
         }
-        if max(abs(target_temperatures[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
+        residual = np.array([target_temperatures[part] - temperatures[part] for part in HEATED])
+        if np.max(np.abs(residual)) < settings.tolerance:
             obstacle = ""
             break
-        step_share = 1.0
-        while step_share >= settings.smallest_step and rounds_left > 1:
+        step_share = full_step = _relaxation(last_step, last_residual, residual, settings)
+        while step_share >= settings.smallest_step * full_step and rounds_left > 1:
             next_temperatures = {
                 part: temperature + step_share * (target_temperatures[part] - temperature)
                 for part, temperature in temperatures.items()
@@ -258,9 +272,24 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
             step_share *= 0.5
         else:
             break
-        temperatures, obstacle = next_temperatures, NO_AGREEMENT
+        temperatures, obstacle, last_residual, last_step = next_temperatures, NO_AGREEMENT, residual, step_share
     links = network.conductances
     return SteadyState(target_temperatures, losses, links, obstacle, cold_losses, point_losses, temperatures, reducer)
+
+
+def _relaxation(last_step: float, last_residual: Array | None, residual: Array, settings: ThermalSettings) -> float:
+    """Return Aitken's relaxation factor [1] of a fixed-point iteration of vectors (Irons and Tuck 1969).
+
+    `last_step` is the previous factor; `last_residual` and `residual` are the differences of the previous and the
+    present temperatures to those of their losses [K], shape (parts,). The factor is in the range of the `settings`. The
+    first step has no previous residual: `last_step` is returned.
+    """
+    if last_residual is None:
+        return last_step
+    change = residual - last_residual
+    square = float(change @ change)
+    factor = -last_step * float(last_residual @ change) / square if square else 1.0
+    return min(max(factor, settings.smallest_step), settings.largest_relaxation)
 
 
 def _find_obstacle(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> str:

@@ -371,15 +371,23 @@ def test_temperatures_without_equilibrium_count_as_a_jam(monkeypatch: pytest.Mon
 
 
 def test_slow_iterations_converge_and_too_few_are_no_jam() -> None:
-    """The crank of a PLA drive loses little heat: its temperature approaches 30.6 °C by a seventh in each iteration."""
+    """The crank of a PLA drive loses little heat: steps without relaxation shorten the error by a seventh each."""
     design = unlike("fixed-n34-d2-carrier-120um")
     reducer, duty = Reducer(design), constant_duty(0.03 * design.rated_torque, design.drive.speed)
     state = steady_state.solve_steady_state(reducer, duty)
     assert state.converged
     assert state.temperatures["crank"] == pytest.approx(30.7, abs=0.3)
-    early = steady_state.solve_steady_state(reducer, duty, replace(steady_state.SETTINGS, rounds=12))
+    early = steady_state.solve_steady_state(reducer, duty, replace(steady_state.SETTINGS, rounds=3))
     assert not early.converged
     assert early.words.endswith(" °C, not converged")
+
+
+def test_a_warm_up_reaches_the_cooler_of_two_steady_states() -> None:
+    """`pin` with a film at 97 % of its torque: 81 °C, although losses and temperatures also agree near 120 °C."""
+    design = override(PRESETS["pin"], ["friction.law=film"])
+    state = steady_state.solve_steady_state(Reducer(design), constant_duty(35.58, design.drive.speed))
+    assert state.converged
+    assert max(state.temperatures.values()) == pytest.approx(81.4, abs=0.5)
 
 
 def test_a_steady_state_hotter_than_the_limit_is_no_jam() -> None:
