@@ -26,13 +26,16 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Return the array `values` with all elements rounded to the same decimals; the largest has `DIGITS` digits."""
+    """Return the array `values` with all elements rounded to the same decimals: `DIGITS` digits for the largest."""
     array = np.asarray(values, dtype=np.float64)
-    largest = float(np.abs(array).max(initial=0.0))
-    if largest == 0.0:
+    largest_magnitude = float(np.abs(array).max(initial=0.0))
+    if largest_magnitude == 0.0:
         return array
-    decimals = DIGITS - 1 - int(np.floor(np.log10(largest)))
-    return np.array([significant(float(item)) for item in np.round(array, decimals).ravel()]).reshape(array.shape) + 0.0
+    decimals = DIGITS - 1 - int(np.floor(np.log10(largest_magnitude)))
+    return (
+        np.array([significant(float(element)) for element in np.round(array, decimals).ravel()]).reshape(array.shape)
+        + 0.0
+    )
 
 
 def on_grid(values: npt.ArrayLike) -> Array:

@@ -53,8 +53,8 @@ def cache_folder() -> Path | None:
 def _remove_old_folders(parent: Path) -> None:
     """Remove all but the `MAX_FOLDERS` latest folders of compiled code; another process may do so at the same time."""
     with suppress(OSError):
-        for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-MAX_FOLDERS]:
-            shutil.rmtree(old, ignore_errors=True)
+        for old_folder in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-MAX_FOLDERS]:
+            shutil.rmtree(old_folder, ignore_errors=True)
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
@@ -88,7 +88,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Store the machine code of a `compiled` function for a signature; report once if that is not possible."""
+        """Store the machine code of a `compiled` function for a signature; log once if that is not possible."""
         try:
             super().save_overload(signature, compiled)
         except OSError as problem:

@@ -36,16 +36,16 @@ def exit_code(stop: BaseException | None) -> int:
 
 def raise_on_signals() -> None:
     """Make SIGTERM and SIGHUP raise `Stopped`; an ignored signal, as by nohup, stays ignored."""
-    for number in STOPPING:
-        if number != signal.SIGINT and signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _stop)
+    for signal_number in STOPPING:
+        if signal_number != signal.SIGINT and signal.getsignal(signal_number) is not signal.SIG_IGN:
+            signal.signal(signal_number, _stop)
 
 
 def end_on_signals() -> None:
     """Make every such signal end this process at once."""
-    for number in STOPPING:
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, signal.SIG_DFL)
+    for signal_number in STOPPING:
+        if signal.getsignal(signal_number) is not signal.SIG_IGN:
+            signal.signal(signal_number, signal.SIG_DFL)
 
 
 @contextmanager
@@ -114,5 +114,5 @@ def check_interrupt() -> None:
         raise KeyboardInterrupt
 
 
-def _stop(number: int, _: Any) -> None:
-    raise Stopped(signal.Signals(number).name)
+def _stop(signal_number: int, _: Any) -> None:
+    raise Stopped(signal.Signals(signal_number).name)

@@ -80,7 +80,8 @@ class Powers:
 def mean_powers(run: Run) -> Powers:
     """Compute the mean powers of a run [W]: through the shafts, losses by kind of mating pair, and stored power.
 
-    Powers that were not logged count as 0. For an RV reducer, `Powers.crank` is the power of the sun.
+    Powers through shafts are positive into the reducer. Powers that were not logged count as 0. For an RV reducer,
+    `Powers.crank` is the power of the sun.
     """
     zeros, driven_shaft = np.zeros(len(run)), run.driven_shaft
     energy = run.columns.get("kinetic_energy", zeros) + run.columns.get("potential_energy", zeros)

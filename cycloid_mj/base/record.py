@@ -145,7 +145,7 @@ class Run(Presented):
         return f"<table>{rows}</table>"
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return name and text of the main properties of a run: samples, columns, times, attachments, completeness."""
+        """Return name and text of the main properties of a run: such as "samples" and the number of samples."""
         completeness = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
         time_range = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (
@@ -180,6 +180,8 @@ class Run(Presented):
     def forces(self, kind: str) -> Array:
         """Return the contact forces [N], x and y, of the k mating pairs of a kind at n samples, shape (n, k, 2).
 
+        They act on the disc; for a pin and its seat on the pin, for a planet and the sun on the sun.
+
         Raises
         ------
         LogError
@@ -193,8 +195,8 @@ class Run(Presented):
                 f"{', '.join(logged_kinds) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs "
                 "all contact forces"
             )
-        names = [column(pair, force_stem) for pair in pairs for force_stem in (FORCE_X, FORCE_Y)]
-        return self.block(names).reshape(len(self), len(pairs), 2)
+        force_columns = [column(pair, force_stem) for pair in pairs for force_stem in (FORCE_X, FORCE_Y)]
+        return self.block(force_columns).reshape(len(self), len(pairs), 2)
 
     def usable(self) -> "Run":
         """Return the run with NaN for every value that no reducer can have; see `usable`."""
@@ -205,9 +207,11 @@ class Run(Presented):
         if topic not in self.topics:
             remedy = f"choose one of {', '.join(self.topics)}" if self.topics else "simulate the design again"
             raise LogError(f"{self.label} has no {'' if self.topics else 'columns, and no '}topic {topic!r}: {remedy}")
-        names = self.topics[topic]
-        columns = {name: self.columns[name] for name in names}
-        return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})
+        column_names = self.topics[topic]
+        columns = {name: self.columns[name] for name in column_names}
+        return replace(
+            self, columns=columns, units={name: self.units[name] for name in column_names}, topics={topic: column_names}
+        )
 
     def select(self, rows: Mask | slice) -> "Run":
         """Return a run with only some of its samples.
@@ -304,9 +308,9 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     return names_by_topic
 
 
-def _nearest_columns(name: str, names: list[str]) -> str:
+def _nearest_columns(name: str, column_names: list[str]) -> str:
     """Return up to three columns with similar names, else the first columns, in words, for an error message."""
-    if similar := get_close_matches(name, names, n=3):
+    if similar := get_close_matches(name, column_names, n=3):
         return f"columns with similar names: {', '.join(similar)}"
-    ellipsis = ", ..." if len(names) > 3 else ""
-    return f"its columns are {', '.join(names[:3])}{ellipsis}" if names else "the run has no columns"
+    ellipsis = ", ..." if len(column_names) > 3 else ""
+    return f"its columns are {', '.join(column_names[:3])}{ellipsis}" if column_names else "the run has no columns"

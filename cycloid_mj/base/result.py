@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 def to_json_values(value: Any) -> Any:
-    """Convert dataclass objects, mappings and sequences to JSON values; NaN and infinities become None.
+    """Convert dataclass objects, mappings, lists and tuples to JSON values; NaN and infinities become None.
 
     An object with the method `as_json` becomes the return value of this method, any other dataclass object a dict of
-    its fields.
+    its fields. Objects of other types, such as numbers and texts, are returned unchanged.
     """
     if hasattr(value, "as_json"):
         return to_json_values(value.as_json())
@@ -428,7 +428,7 @@ class Claim:
 
         ``paper`` is the claim with the value that the paper states, ``ours`` our value with its ``numerical_error``,
         and ``at_rated_load`` our value at the rated load, or None. ``ranges_searched`` are the ranges of unpublished
-        inputs in which agreement was searched (`searched`). The other keys are names of attributes.
+        inputs in which agreement was searched. The other keys are names of attributes, such as ``verdict``.
         """
         return {
             "key": self.key,

@@ -41,8 +41,9 @@ class ContactLines:
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
     """Compute every contact line of disc and ring at several crank angles [rad], for parts without clearance.
 
-    The result has a row for each line, with its crank angle (counter-clockwise), tooth, position and relative
-    curvature. `gear` is the profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
+    The result has a row for each line, with its crank angle (counter-clockwise), tooth, position in the ring frame, and
+    relative curvature of disc and ring. `gear` is the profile of the disc. `kind` is "pin" for a ring of pins, or
+    "nonpin" for an internal gear.
 
     Raises
     ------

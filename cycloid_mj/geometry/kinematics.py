@@ -98,8 +98,8 @@ def gear_centre_acceleration(
     (...).
     """
     centripetal = -(_column(crank_speed) ** 2) * _radial(crank_angle)
-    tangential = _column(crank_acceleration) * _tangential(crank_angle)
-    return gear.eccentricity * (centripetal + tangential)
+    tangential_acceleration = _column(crank_acceleration) * _tangential(crank_angle)
+    return gear.eccentricity * (centripetal + tangential_acceleration)
 
 
 def point_path(

@@ -112,9 +112,9 @@ def measurement_notes(design: Design) -> tuple[str, ...]:
     DesignError
         The profile of the drawing is undercut.
     """
-    gear, measured_files = measured_profile(design), design.measured
-    pins = f"{len(measured_files.pins_radial)} pins" if measured_files.pins_radial else ""
-    description_by_part = {"gear": gear.words if gear else "", "pins": pins}
+    measured_outline, measured_files = measured_profile(design), design.measured
+    pins_text = f"{len(measured_files.pins_radial)} pins" if measured_files.pins_radial else ""
+    description_by_part = {"gear": measured_outline.words if measured_outline else "", "pins": pins_text}
     return tuple(
         f"measured {part} ({getattr(measured_files, part) or 'values of the design file'}): {description}"
         for part, description in description_by_part.items()
@@ -135,10 +135,10 @@ def measured_deviations(design: Design) -> MeasuredDeviations:
     DesignError
         The gear is measured, but the profile of the drawing is undercut.
     """
-    measured_files, teeth = design.measured, design.ring.teeth
-    position, radius = np.zeros((teeth, 2)), np.zeros(teeth)
+    measured_files, ring_teeth = design.measured, design.ring.teeth
+    position, radius = np.zeros((ring_teeth, 2)), np.zeros(ring_teeth)
     if measured_files.pins_radial:
-        angles = 2.0 * np.pi * np.arange(teeth) / teeth
+        angles = 2.0 * np.pi * np.arange(ring_teeth) / ring_teeth
         position += np.array(measured_files.pins_radial)[:, np.newaxis] * profile.unit(angles)
         position += np.array(measured_files.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
         radius += measured_files.pins_radius

@@ -103,8 +103,8 @@ def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, 
     """Compute the outline of a gear with rotated flanks as n points (n, 2) [m], clockwise from the valley on +y.
 
     Its chords deviate from the flanks by at most `chord_error` [m]. All lobes have the same points, which include the
-    corners. The flanks are at the distance `offset` [m] outside of the trochoid, and rotated into the disc by
-    `rotation` [rad] on either side.
+    corners. The flanks are at the distance `offset` [m] outside of the trochoid. Both flanks of a lobe are
+    rotated about the gear's centre by `rotation` [rad] towards the middle of the lobe.
 
     Raises
     ------
@@ -158,6 +158,6 @@ class _Polar:
     @property
     def rate(self) -> Array:
         """Derivative of `angle` by t [1]."""
-        normal = profile.normal_angle(self._gear, self._t)
-        across = np.cos(normal - np.arctan2(self._points[:, 0], self._points[:, 1]))
+        normal_angle = profile.normal_angle(self._gear, self._t)
+        across = np.cos(normal_angle - np.arctan2(self._points[:, 0], self._points[:, 1]))
         return np.asarray(profile.arc_rate(self._gear, self._t, self._offset) * across / self.radius)

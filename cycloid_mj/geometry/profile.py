@@ -136,9 +136,9 @@ def trochoid_derivatives(gear: CycloidGear, t: npt.ArrayLike) -> tuple[Array, Ar
     """First and second derivative T', T'' of the trochoid by t, each (..., 2) [m]."""
     N, c, E, _ = gear.symbols
     t = np.asarray(t, float)
-    first = E * unit(t + np.pi / 2) - c * N * unit(N * t + np.pi / 2)
-    second = c * N**2 * unit(N * t) - E * unit(t)
-    return first, second
+    first_derivative = E * unit(t + np.pi / 2) - c * N * unit(N * t + np.pi / 2)
+    second_derivative = c * N**2 * unit(N * t) - E * unit(t)
+    return first_derivative, second_derivative
 
 
 def pitch_distance(gear: CycloidGear, B: npt.ArrayLike) -> Array:

@@ -128,8 +128,10 @@ def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
     q + k/2 (modulo 1) for a whole number j.
     """
     required_clocking = disc_clocking(pins, lobes, 2, 1)
-    doubled_angles = {(Fraction(lobes * bore, cranks) - required_clocking) % 1 for bore in range(cranks)}
-    return tuple(sorted({(doubled / 2 + half) % 1 for doubled in doubled_angles for half in (0, Fraction(1, 2))}))
+    doubled_angles = {(Fraction(lobes * bore_index, cranks) - required_clocking) % 1 for bore_index in range(cranks)}
+    return tuple(
+        sorted({(doubled / 2 + half_pitch) % 1 for doubled in doubled_angles for half_pitch in (0, Fraction(1, 2))})
+    )
 
 
 def dead_points(cranks: int, discs: int) -> bool:

@@ -104,8 +104,11 @@ def ideal_rv_loads(
     for phase in stage.phases:
         mesh = ideal_load_sharing(stage.gear, disc_torque, crank_angles + phase)
         angle = crank_angles + phase
-        radial, forward = profile.unit(-angle), -np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        reaction = mesh.eccentric_radial[:, np.newaxis] * radial + mesh.eccentric_tangential[:, np.newaxis] * forward
+        radial_direction, forward_direction = profile.unit(-angle), -np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        reaction = (
+            mesh.eccentric_radial[:, np.newaxis] * radial_direction
+            + mesh.eccentric_tangential[:, np.newaxis] * forward_direction
+        )
         pin_forces.append(mesh.forces)
         disc_forces.append(-reaction)
     disc_force = np.stack(disc_forces, axis=1)

@@ -58,30 +58,34 @@ def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -
     """Compute thickness, fillet radius, bending arm and force angle at the critical section of a gear tooth's root.
 
     Lengths in the result are relative to the module [1]. The tooth of `gear` is loaded at the outer point of single
-    contact with its `mate`. `centre_distance` is the distance of the axes [m]. In the code, `rack`, `depth` and
-    `offset` are the auxiliary values E (over the module), G and H of the standard, and `tangent` is its angle theta
-    [rad]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile shift.
+    contact with its `mate`. `centre_distance` is the distance of the axes [m]. In the code, `auxiliary_e`,
+    `auxiliary_g` and `auxiliary_h` are the values E (over the module), G and H of ISO 6336-3, and `tangent_angle` is
+    its theta [rad]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile shift.
     """
-    teeth, angle = gear.teeth, gear.pressure_angle
+    tooth_count, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))
-    rack = math.pi / 4.0 - DEDENDUM * math.tan(angle) - (1.0 - math.sin(angle)) * CORNER_RADIUS / math.cos(angle)
-    depth = CORNER_RADIUS - DEDENDUM + shift
-    offset = 2.0 / teeth * (math.pi / 2.0 - rack) - TANGENT_ANGLE
-    tangent = _solve_tangent(2.0 * depth / teeth, offset)
-    chord = teeth * math.sin(TANGENT_ANGLE - tangent) + math.sqrt(3.0) * (depth / math.cos(tangent) - CORNER_RADIUS)
-    radius = CORNER_RADIUS + 2.0 * depth**2 / (math.cos(tangent) * (teeth * math.cos(tangent) ** 2 - 2.0 * depth))
-    base_pitch = 2.0 * math.pi * gear.base_radius / teeth
+    auxiliary_e = math.pi / 4.0 - DEDENDUM * math.tan(angle) - (1.0 - math.sin(angle)) * CORNER_RADIUS / math.cos(angle)
+    auxiliary_g = CORNER_RADIUS - DEDENDUM + shift
+    auxiliary_h = 2.0 / tooth_count * (math.pi / 2.0 - auxiliary_e) - TANGENT_ANGLE
+    tangent_angle = _solve_tangent(2.0 * auxiliary_g / tooth_count, auxiliary_h)
+    chord = tooth_count * math.sin(TANGENT_ANGLE - tangent_angle) + math.sqrt(3.0) * (
+        auxiliary_g / math.cos(tangent_angle) - CORNER_RADIUS
+    )
+    radius = CORNER_RADIUS + 2.0 * auxiliary_g**2 / (
+        math.cos(tangent_angle) * (tooth_count * math.cos(tangent_angle) ** 2 - 2.0 * auxiliary_g)
+    )
+    base_pitch = 2.0 * math.pi * gear.base_radius / tooth_count
     overlap = (contact_ratio(gear, mate, centre_distance) - 1.0) * base_pitch
     tangent_length = math.sqrt(gear.tip_radius**2 - gear.base_radius**2) - overlap
     load_radius = math.hypot(tangent_length, gear.base_radius)
     load_pressure_angle = math.atan2(tangent_length, gear.base_radius)
-    half_thickness = (math.pi / 2.0 + 2.0 * math.tan(angle) * shift) / teeth
+    half_thickness = (math.pi / 2.0 + 2.0 * math.tan(angle) * shift) / tooth_count
     gamma = half_thickness + involute(angle) - involute(load_pressure_angle)
     force_angle = load_pressure_angle - gamma
     arm = 0.5 * (
         (math.cos(gamma) - math.sin(gamma) * math.tan(force_angle)) * 2.0 * load_radius / gear.module
-        - teeth * math.cos(TANGENT_ANGLE - tangent)
-        - depth / math.cos(tangent)
+        - tooth_count * math.cos(TANGENT_ANGLE - tangent_angle)
+        - auxiliary_g / math.cos(tangent_angle)
         + CORNER_RADIUS
     )
     return ToothRoot(chord, arm, radius, force_angle, angle)
