@@ -171,13 +171,13 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
     return design_by_name
 
 
-def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
+def _require_every_case(cases: Sequence[Design], design_names: Sequence[str]) -> None:
     """Raise UsageError unless each design, by its name, has exactly one run under each load.
 
-    `cases` are the designs under the loads of the runs, `names` those of the designs.
+    `cases` are the designs under the loads of the runs, `design_names` those of the designs.
     """
     names_and_loads = [(case.name, case.load.torque) for case in cases]
-    for name in names:
+    for name in design_names:
         for load in sorted({load for _, load in names_and_loads}):
             run_count = names_and_loads.count((name, load))
             if run_count != 1:
@@ -191,8 +191,8 @@ def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
 def _require_same_conditions(cases: Sequence[Design]) -> None:
     """Raise UsageError for runs under different settings; idle and loaded runs may differ in duration."""
     for case in cases:
-        first = next(each for each in cases if each.load.torque == case.load.torque)
-        _require_equal_settings(reducer_of(first), reducer_of(case), ())
+        first_case = next(other_case for other_case in cases if other_case.load.torque == case.load.torque)
+        _require_equal_settings(reducer_of(first_case), reducer_of(case), ())
         _require_equal_settings(reducer_of(cases[0]), reducer_of(case), (HOLD,))
 
 

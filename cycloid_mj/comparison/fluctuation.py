@@ -21,8 +21,11 @@ class Level:
 
 def full_turns(motion: Series) -> list[slice]:
     """List the samples of each full crank turn of the settled hold; all samples where it is shorter than a turn."""
-    first = int(np.argmax(motion.hold))
-    return [slice(first + turn.start, first + turn.stop) for turn in turn_by_turn(motion.crank_angle[first:])]
+    first_index = int(np.argmax(motion.hold))
+    return [
+        slice(first_index + turn.start, first_index + turn.stop)
+        for turn in turn_by_turn(motion.crank_angle[first_index:])
+    ]
 
 
 def compute_level(values: Array, parts: Sequence[slice]) -> Level:

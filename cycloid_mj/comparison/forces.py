@@ -55,21 +55,21 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute how many teeth carry force, and the largest forces of all kinds of mating pairs [N], over full turns.
+    """Compute how many teeth carry force, and the mean and peak force [N] of each kind of mating pair, over full turns.
 
-    `motion` are the time series of the run. The samples are those at constant speed after settling, or all of them if
-    these are less than a turn.
+    The number of teeth is the mean, least and largest of the samples.     `motion` are the time series of the run. The
+    samples are those at constant speed after settling, or all of them if these are less than a turn.
     """
     turns = full_turns(motion)
     window = slice(turns[0].start, turns[-1].stop)
-    teeth, kinds = tooth_forces(motion)[window], motion.reducer.mechanism.kinds
+    tooth_force, kinds = tooth_forces(motion)[window], motion.reducer.mechanism.kinds
     maxima = {
         kind: _force_magnitudes(motion, kind)[window].max(axis=1) for kind in (*MEAN_AND_PEAK, *PEAK) if kind in kinds
     }
     means = {f"{stem}_mean_n": float(maxima[kind].mean()) for kind, stem in MEAN_AND_PEAK.items() if kind in maxima}
     stems = MEAN_AND_PEAK | PEAK
     peaks = {f"{stems[kind]}_peak_n": float(force.max()) for kind, force in maxima.items()}
-    loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
+    loaded_teeth, largest_force = np.count_nonzero(tooth_force, axis=1), tooth_force.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded_teeth.mean()),
         teeth_least=int(loaded_teeth.min()),

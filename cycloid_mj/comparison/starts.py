@@ -91,8 +91,12 @@ def start_variant(reducer: Reducer, index: int, count: int = STARTS) -> Design:
     Without gravity in the plane of the discs, all starts are equal.
     """
     design = reducer.design
-    teeth, environment = design.ring.teeth, design.environment
-    rotation = 2 * math.pi * round(teeth * index / count) / teeth if teeth >= count else 2 * math.pi * index / count
+    ring_teeth, environment = design.ring.teeth, design.environment
+    rotation = (
+        2 * math.pi * round(ring_teeth * index / count) / ring_teeth
+        if ring_teeth >= count
+        else 2 * math.pi * index / count
+    )
     if rotation == 0.0:
         return design
     cos, sin = math.cos(rotation), math.sin(rotation)

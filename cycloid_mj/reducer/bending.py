@@ -44,8 +44,14 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
 
     def cantilever(positions: Array, other_positions: Array) -> Array:
         """Return the deflections at positions per force at other positions [m/N], without the far support."""
-        near, far = np.minimum.outer(positions, other_positions), np.maximum.outer(positions, other_positions)
-        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
+        smaller_distance, larger_distance = (
+            np.minimum.outer(positions, other_positions),
+            np.maximum.outer(positions, other_positions),
+        )
+        return np.asarray(
+            smaller_distance**2 * (3.0 * larger_distance - smaller_distance) / (6.0 * bending)
+            + smaller_distance / shearing
+        )
 
     flexibility = cantilever(arms, arms)
     if length is None:

@@ -262,7 +262,7 @@ def build_mechanism(design: Design) -> Mechanism:
         The design has a measured profile, but its nominal profile is undercut.
     """
     errors, discs = deviations(design), range(design.gear.discs)
-    pins, seats = ring_surfaces(design, errors)
+    ring_side, seats = ring_surfaces(design, errors)
     output = design.output
     pin_names = names.all_numbered(names.OUTPUT_PIN, output.pins)
     output_pins = surfaces_on_circle(pin_names, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
@@ -271,7 +271,7 @@ def build_mechanism(design: Design) -> Mechanism:
         phases=phases(design),
         bodies=tuple(_mechanism_bodies(design, errors)),
         matings=(
-            *(tooth_mating(design, disc, pins) for disc in discs),
+            *(tooth_mating(design, disc, ring_side) for disc in discs),
             *seats,
             *(_cam_mating(design, errors, disc) for disc in discs),
             *(_hole_mating(design, errors, disc, output_pins) for disc in discs),
@@ -354,14 +354,14 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
         play = design.pin_play - radius_errors * ring.has_sockets if ring.has_massless_pins else 0.0
         fixed_surfaces = on_housing(stem, role, radius, play)
         return (replace(fixed_surfaces, half_angle=half_angle) if ring.has_massless_pins else fixed_surfaces), []
-    pins = on_pins(names.PIN, Role.PIN, radius)
+    pin_surfaces = on_pins(names.PIN, Role.PIN, radius)
     if ring.has_sockets:
         sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
         sockets = replace(sockets, half_angle=half_angle)
-        return pins, [Mating("pin_socket", sockets.names, pins, sockets)]
+        return pin_surfaces, [Mating("pin_socket", sockets.names, pin_surfaces, sockets)]
     bores = on_pins(names.SLEEVE, Role.OUTER, ring.sleeve_bore_radius)
     cores = on_housing(names.CORE, Role.INNER, ring.pin_radius - clearance.pin_sleeve - ring.sleeve_thickness)
-    return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
+    return pin_surfaces, [Mating("pin_sleeve", bores.names, bores, cores)]
 
 
 def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
@@ -369,7 +369,7 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
 
     `disc` is the index of the disc. The teeth are rotated by the phase of the disc on the crank.
     """
-    teeth = Surfaces(
+    tooth_surfaces = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
         role=Role.TEETH,
@@ -380,7 +380,7 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
         disc=disc,
     )
     pairs = tuple(_of_disc(design, name, disc) for name in ring_side.names)
-    return Mating(design.tooth_pair, pairs, teeth, ring_side, disc)
+    return Mating(design.tooth_pair, pairs, tooth_surfaces, ring_side, disc)
 
 
 def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
@@ -389,31 +389,40 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
     `disc` is the index of the disc. The clearance is included in the radius of the bore.
     """
     disc_name, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
-    bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
+    bore_name, cam_name = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
     phase, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
     return Mating(
         "cam",
-        (cam,),
-        surfaces_on_circle((bore,), disc_name, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        (cam_name,),
+        surfaces_on_circle((bore_name,), disc_name, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
         surfaces_on_circle(
-            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_displacement[disc], np.array([-phase]), disc=disc
+            (cam_name,),
+            names.SHAFT,
+            Role.INNER,
+            orbit,
+            radius,
+            errors.cam_displacement[disc],
+            np.array([-phase]),
+            disc=disc,
         ),
         disc,
     )
 
 
-def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
-    """Return the pairs of surfaces of a disc's holes and the output pins, `pins`; `errors` displace the holes.
+def _hole_mating(design: Design, errors: Deviations, disc: int, pin_surfaces: Surfaces) -> Mating:
+    """Return the pairs of surfaces of a disc's holes and the output pins, `pin_surfaces`; `errors` displace the holes.
 
     `disc` is the index of the disc. The clearance is included in the radius of the holes.
     """
     output = design.output
     hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, disc_name = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = surfaces_on_circle(
+    hole_surfaces = surfaces_on_circle(
         hole_names, disc_name, Role.OUTER, output.pin_circle_radius, radius, errors.hole_displacement[disc], disc=disc
     )
-    return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
+    return Mating(
+        "output", tuple(_of_disc(design, name, disc) for name in pin_surfaces.names), hole_surfaces, pin_surfaces, disc
+    )
 
 
 def _of_disc(design: Design, name: str, disc: int) -> str:

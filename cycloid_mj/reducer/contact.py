@@ -160,8 +160,10 @@ class Contact:
     @property
     def modulus(self) -> float:
         """Modulus E* [Pa] of the materials of both parts."""
-        first, second = self._reducer.design.partners(self.kind)
-        return ideal_loads.contact_modulus(first.youngs_modulus, first.poisson, second.youngs_modulus, second.poisson)
+        first_part, second_part = self._reducer.design.partners(self.kind)
+        return ideal_loads.contact_modulus(
+            first_part.youngs_modulus, first_part.poisson, second_part.youngs_modulus, second_part.poisson
+        )
 
     @property
     def strength(self) -> float:
@@ -217,7 +219,7 @@ class Contact:
 
     @property
     def stiffness_by_disc(self) -> tuple[float, ...]:
-        """Return the stiffness [N/m] of a contact on each of D discs in a run, (D,), with parts in series with it.
+        """Return the normal stiffness [N/m] of a contact on each of D discs, (D,), with parts in series with it.
 
         Parts in series are the seat of a ring pin without mass, the needles of an output roller and, with ``structure =
         "springs"``, an output pin, which bends.
@@ -548,13 +550,13 @@ def tooth_stiffness(reducer: "Reducer", curvature: Array) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Compute the mean force on the cam of a disc over a turn per output torque [1/m], under ideal load sharing.
+def _cam_force_per_torque(gear: CycloidGear, pin_count: int, pin_circle_radius: float) -> float:
+    """Compute the magnitude of the cam's force on a disc per output torque of the disc [1/m], the mean over a turn.
 
-    `gear` is the profile of the disc, `pins` and `radius` [m] are the number of output pins and the radius of their
-    circle.
+    Load sharing is ideal. `gear` is the profile of the disc, `pin_count` and `pin_circle_radius` [m] are the number of
+    output pins and the radius of their circle.
     """
     crank_angles = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
     ring_loads = ideal_loads.ideal_load_sharing(gear, 1.0, crank_angles)
-    pin_forces = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank_angles)
+    pin_forces = ideal_loads.ideal_output_forces(gear, pin_count, pin_circle_radius, 1.0, crank_angles)
     return float(np.mean(np.linalg.norm(ideal_loads.cam_force(ring_loads, pin_forces, crank_angles), axis=1)))

@@ -153,7 +153,7 @@ def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
 
 def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     ahead = reducer.design.ring.ahead
-    return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
+    return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half_index) for half_index in range(len(ahead))])
 
 
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
@@ -273,10 +273,10 @@ def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the displacement of each cam by manufacturing errors of the crank [m], shape (..., D, 2).
+    """Compute the displacement of each cam by manufacturing errors of the crank [m], shape (..., D, 2), in x and y.
 
-    The crank angles (...) [rad] are in the frame of the ring. The clearance of the cam limits the distance between a
-    disc's centre and the displaced cam.
+    Displacements and crank angles (...) [rad] are in the frame of the ring. The clearance of the cam limits the
+    distance between a disc's centre and the displaced cam.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
     crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]

@@ -92,11 +92,11 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     design = reducer.design
     radius, disc_poses = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     disc_rotations, carrier_angle = disc_poses[:, 2] / radius, float(pose[-1]) / radius
-    output = reducer.member.sense * reducer.share * carrier_angle
-    ring_angle, _ = reducer.member.ring_and_carrier(output)
+    output_angle = reducer.member.sense * reducer.share * carrier_angle
+    ring_angle, _ = reducer.member.ring_and_carrier(output_angle)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
     disc_rotations = disc_rotations + ring_angle * design.ring.teeth / design.lobes
-    return Fit(min_gap, disc_poses[:, :2], disc_rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
+    return Fit(min_gap, disc_poses[:, :2], disc_rotations, output_angle, _pin_displacements(reducer, mesh_gaps, pose))
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
@@ -128,8 +128,8 @@ def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Arr
     from scipy.optimize import linprog
 
     crank_angle = float(reducer.member.against_ring(crank_angle))
-    mesh_gaps, cams = gaps(reducer, crank_angle), cam_displacements(reducer, crank_angle)
-    slope, widths = _linear_limits(reducer, mesh_gaps, cams, FIT.fit_sides)
+    mesh_gaps, cam_offsets = gaps(reducer, crank_angle), cam_displacements(reducer, crank_angle)
+    slope, widths = _linear_limits(reducer, mesh_gaps, cam_offsets, FIT.fit_sides)
     count = unknowns(reducer)
     matrix = np.concatenate([-slope, np.ones((len(widths), 1))], axis=1)
     solution = linprog(
@@ -144,8 +144,8 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 
     The crank is locked at an angle [rad]. `sides` and errors are those of `stops_at`.
     """
-    low, high = stops_at(reducer, np.array([crank]), sides)[0].tolist()
-    return low, high
+    clockwise_stop, counter_clockwise_stop = stops_at(reducer, np.array([crank]), sides)[0].tolist()
+    return clockwise_stop, counter_clockwise_stop
 
 
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
@@ -168,12 +168,12 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
     return np.concatenate([_solve_stops(reducer, batch, sides) for batch in batches])
 
 
-def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
+def _solve_stops(reducer: "Reducer", cranks: Array, side_count: int) -> Array:
     """Compute how far the output can turn in both directions (n, 2) [rad] at n crank angles [rad] by a linear program.
 
     The first column is the stop in clockwise direction. The angles `cranks` are independent of each other. If the
     program has no solution, each angle is solved alone, so that the error message can name the angle at which the disc
-    jams. `sides` is the number of sides of a cam's polygon.
+    jams. `side_count` is the number of sides of a cam's polygon.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     design, unknown_count = reducer.design, unknowns(reducer)
     angles = reducer.member.against_ring(cranks).tolist()
     limits_by_angle = [
-        _linear_limits(reducer, gaps(reducer, angle), cam_displacements(reducer, angle), sides) for angle in angles
+        _linear_limits(reducer, gaps(reducer, angle), cam_displacements(reducer, angle), side_count) for angle in angles
     ]
     slope: Any = block_diag([csc_array(-slope) for slope, _ in limits_by_angle for _ in range(2)], format="csc")
     widths = np.concatenate([widths for _, widths in limits_by_angle for _ in range(2)])
@@ -196,7 +196,9 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     solution = linprog(objective.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
     if solution.x is None:
         if len(cranks) > 1:
-            return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
+            return np.concatenate(
+                [_solve_stops(reducer, crank_angle, side_count) for crank_angle in cranks[:, np.newaxis]]
+            )
         location = f"at a crank angle of {math.degrees(cranks[0]):.4g} deg"
         if design.ring.preload:
             raise RunError(
@@ -217,16 +219,17 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
     The preload angle between the halves of a ring is ignored, which makes the backlash the largest.
     """
-    low, high = stops(reducer.but(ring={"preload": 0.0}), crank, sides)
-    return high - low
+    clockwise_stop, counter_clockwise_stop = stops(reducer.but(ring={"preload": 0.0}), crank, sides)
+    return counter_clockwise_stop - clockwise_stop
 
 
-def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
+def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cam_offsets: Array, side_count: int) -> tuple[Array, Array]:
     """Return the limits on the pose z [m] of discs and output as inequalities ``slope @ z + gap >= 0``.
 
     The pose is x, y and rotation of each disc, and the rotation of the output, times the radius of the circle of output
-    pins. There is an inequality for each contact, then one for each side of each cam's polygon, which has `sides`
-    sides. `mesh_gaps` are the gaps of teeth and output pins, and `cams` (D, 2) [m] are the displacements of the cams.
+    pins. There is an inequality for each contact, then one for each side of each cam's polygon, which has `side_count`
+    sides. `mesh_gaps` are the gaps of teeth and output pins, and `cam_offsets` (D, 2) [m] are the displacements of the
+    cams by errors of the crank.
 
     Returns
     -------
@@ -234,12 +237,12 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
         ``slope`` [1] of m inequalities by u unknowns, shape (m, u), and ``gap`` [m], shape (m,).
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
-    directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
-    for disc, cam_displacement in enumerate(cams):
-        slope = np.zeros((sides, unknowns(reducer)))
+    directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, side_count, endpoint=False))
+    for disc, cam_offset in enumerate(cam_offsets):
+        slope = np.zeros((side_count, unknowns(reducer)))
         slope[:, 3 * disc : 3 * disc + 2] = -directions
         slopes.append(slope)
-        widths.append(reducer.design.clearance.cam + directions @ cam_displacement)
+        widths.append(reducer.design.clearance.cam + directions @ cam_offset)
     return np.concatenate(slopes), np.concatenate(widths)
 
 
@@ -261,9 +264,9 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     design = reducer.design
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.mate_count, 2))
-    teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
-    tooth_gap = teeth.width + teeth.slope @ pose
-    normals = -teeth.slope[:, :-1].reshape(len(tooth_gap), -1, 3)[np.arange(len(tooth_gap)), teeth.disc, :2]
-    smallest_index = np.lexsort((tooth_gap, teeth.owner))[:: design.gear.discs]
-    shifts = ((teeth.play - tooth_gap) / 2.0)[:, np.newaxis] * normals
-    return np.asarray(np.where(tooth_gap[:, np.newaxis] < 0.0, shifts, 0.0)[smallest_index])
+    tooth_gaps = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
+    gap_width = tooth_gaps.width + tooth_gaps.slope @ pose
+    normals = -tooth_gaps.slope[:, :-1].reshape(len(gap_width), -1, 3)[np.arange(len(gap_width)), tooth_gaps.disc, :2]
+    smallest_index = np.lexsort((gap_width, tooth_gaps.owner))[:: design.gear.discs]
+    shifts = ((tooth_gaps.play - gap_width) / 2.0)[:, np.newaxis] * normals
+    return np.asarray(np.where(gap_width[:, np.newaxis] < 0.0, shifts, 0.0)[smallest_index])

@@ -151,7 +151,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Return the reducer for simulations with mesh contact, in which surfaces are divided into convex slices.
+        """Return the reducer for simulations with triangle meshes, in which surfaces are divided into convex slices.
 
         Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. A smaller load does
         not reduce them, because the contact of slices becomes softer at a small depth anyway. Its creep speed is

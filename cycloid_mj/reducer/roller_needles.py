@@ -70,11 +70,11 @@ def has_needle_springs(reducer: "Reducer") -> bool:
 
 
 def bearing_stiffness(reducer: "Reducer") -> float:
-    """Compute the stiffness of the needles of a roller without clearance, at the working force of output pins [N/m].
+    """Compute the radial stiffness of the needles of a roller on its core, at the working force of output pins [N/m].
 
-    It is the secant stiffness of the bearing: that of the most loaded needle, which carries 4.08/Z of the force
-    (Stribeck). A needle is in contact with core and roller; both contacts are as stiff as a pin on a flat
-    (`ideal_loads.line_contact_stiffness`), with the material of the output.
+    Clearance is left out. It is the secant stiffness of the bearing: that of the most loaded needle, which carries
+    4.08/Z of the force (Stribeck). A needle is in contact with core and roller; both contacts are as stiff as a pin on
+    a flat (`ideal_loads.line_contact_stiffness`), with the material of the output.
     """
     design = reducer.design
     bearing_row, force = needle_row(design.output), reducer.contacts["output"].force
@@ -141,8 +141,9 @@ def roller_contact(
 ) -> tuple[float, float]:
     """Compute force [N] and stiffness [N/m] of a roller between hole and core, by a semismooth Newton method.
 
-    The unknowns are the displacements of the roller on its core, x along the force and y across. The energy of all
-    springs is convex; steps that raise it are halved. In the code, xx, xy and yy are its second derivatives [N/m].
+    The stiffness is the derivative of the force by `approach`, which must be positive. The unknowns are the
+    displacements of the roller on its core, x along the force and y across. The energy of all springs is convex; steps
+    that raise it are halved. In the code, xx, xy and yy are its second derivatives [N/m].
 
     Parameters
     ----------
@@ -167,10 +168,10 @@ def roller_contact(
             cosine, sine = math.cos(needle * spacing - angle), math.sin(needle * spacing - angle)
             depth = trial_x * cosine + trial_y * sine - clearance
             if depth > 0.0:
-                load = needle_stiffness * depth
-                energy += 0.5 * load * depth
-                gradient_x += load * cosine
-                gradient_y += load * sine
+                needle_force = needle_stiffness * depth
+                energy += 0.5 * needle_force * depth
+                gradient_x += needle_force * cosine
+                gradient_y += needle_force * sine
                 hessian_xx += needle_stiffness * cosine * cosine
                 hessian_xy += needle_stiffness * cosine * sine
                 hessian_yy += needle_stiffness * sine * sine

@@ -202,8 +202,10 @@ class RvReducer(Reducer):
     @property
     def min_flange_radius(self) -> float:
         """Smallest radius of the carrier's flanges [m]: bearings of the cranks and posts, and a wall around them."""
-        inner = max(self.crank_radius + self.cranks.taper_radius, self.post_circle_radius + self.cranks.post_radius)
-        return inner + self.flange_wall
+        inner_radius = max(
+            self.crank_radius + self.cranks.taper_radius, self.post_circle_radius + self.cranks.post_radius
+        )
+        return inner_radius + self.flange_wall
 
     @property
     def bearing_stiffness(self) -> float:
@@ -223,8 +225,8 @@ class RvReducer(Reducer):
     @property
     def cage_ratio(self) -> float:
         """Turns of the cage of needles per turn of their eccentric, both relative to the disc, by rolling."""
-        inner = self.cranks.eccentric_radius
-        return inner / (inner + self.bore_radius)
+        inner_radius = self.cranks.eccentric_radius
+        return inner_radius / (inner_radius + self.bore_radius)
 
     @property
     def mesh_stiffness(self) -> float:
@@ -255,8 +257,8 @@ class RvReducer(Reducer):
         from cycloid_mj.geometry.involute import gear_pair
 
         planet = self.planet
-        teeth = planet.sun_teeth, planet.planet_teeth
-        return gear_pair(teeth, planet.module, planet.pressure_angle, self.crank_radius, planet.backlash)
+        tooth_counts = planet.sun_teeth, planet.planet_teeth
+        return gear_pair(tooth_counts, planet.module, planet.pressure_angle, self.crank_radius, planet.backlash)
 
     @property
     def disc_section(self) -> float:
@@ -310,7 +312,8 @@ class RvReducer(Reducer):
     def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
         """Return, by kind of mating pair, table and key in the design file of its clearances, from ring to sun.
 
-        Crank bearings have two clearances, those of the needle and of the tapered bearing; others have one.
+        An entry is "planet_mesh": (("planet", "backlash"),). Crank bearings have two clearances, those of the needle
+        and of the tapered bearing; others have one.
         """
         ring_kinds = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
         return {

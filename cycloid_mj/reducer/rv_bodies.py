@@ -123,14 +123,14 @@ def build_rv_mechanism(reducer: "RvReducer") -> Mechanism:
     design, errors = reducer.design, reducer.deviations
     axis = np.array([reducer.crank_errors.axis_x, reducer.crank_errors.axis_y])
     errors = replace(errors, pin_displacement=errors.pin_displacement - axis)
-    pins, seats = ring_surfaces(design, errors)
+    ring_side, seats = ring_surfaces(design, errors)
     discs = range(design.gear.discs)
     return Mechanism(
         design=design,
         phases=reducer.phases,
         bodies=tuple(_rv_bodies(reducer, errors)),
         matings=(
-            *(tooth_mating(design, disc, pins) for disc in discs),
+            *(tooth_mating(design, disc, ring_side) for disc in discs),
             *seats,
             *(_bearing_mating(reducer, disc) for disc in discs),
             _planet_mating(reducer),

@@ -59,8 +59,8 @@ class SpringContact(Contact):
         reducer = self._rv
         torque = reducer.contacts.working_load * reducer.share
         if self.kind == names.CRANK_BEARING:
-            crank = np.linspace(0.0, reducer.crank_turn, CONTACT.cam_force_angles, endpoint=False)
-            return float(ideal_rv_loads(reducer.stage, torque, crank).bearings.mean())
+            crank_angles = np.linspace(0.0, reducer.crank_turn, CONTACT.cam_force_angles, endpoint=False)
+            return float(ideal_rv_loads(reducer.stage, torque, crank_angles).bearings.mean())
         sun_torque = torque / reducer.stage.to_carrier
         sun_gear, _ = reducer.stage_gears
         return float(sun_torque / (reducer.cranks.count * sun_gear.base_radius))

@@ -58,7 +58,10 @@ class MainBearingSpace:
 
 
 def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
-    """Return the space for the main bearings of an RV reducer, whatever its `cranks.main_bearings`."""
+    """Return the limits of bore and outside diameter for main bearings between flanges and housing [m].
+
+    They do not depend on the main bearings that the design has (`cranks.main_bearings`).
+    """
     design = reducer.design
     return MainBearingSpace(
         min_bore=2.0 * reducer.min_flange_radius,
