@@ -252,16 +252,18 @@ def _solve_carrier_output(
     disc_displacements[..., :2] = contacts.cam_position
     if start is not None:
         z[:] = start.departures
-    force, cam, assemblies = _solve_contacts(reducer, springs, load, z, warm_start and start is None)
-    pins = force[:, springs.teeth :]
+    force, cam_force, assemblies = _solve_contacts(reducer, springs, load, z, warm_start and start is None)
+    pin_force = force[:, springs.teeth :]
     moments = (
-        (-pins * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
+        (-pin_force * contacts.slope[:, springs.teeth :, -1])
+        .reshape(len(z), disc_displacements.shape[1], -1)
+        .sum(axis=-1)
     )
     moment = moments.sum(axis=1, keepdims=True)
     return Loads(
         teeth=force[:, : springs.teeth],
-        output=pins,
-        cam=cam,
+        output=pin_force,
+        cam=cam_force,
         departures=z,
         gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
         output_turn=z[:, -1] / radius,
@@ -444,7 +446,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     -------
     Powers
         Mean powers into the reducer through crank and output [W], and lost to friction [W] by part: "teeth", "cam",
-        "output" and "seals".
+        "output" (its pins) and "seals".
 
     Raises
     ------
@@ -470,19 +472,19 @@ def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     otherwise each kind of pair has one.
     """
     design = reducer.design
-    slip, teeth = np.abs(springs.slip), springs.teeth
+    slip, tooth_count = np.abs(springs.slip), springs.teeth
     cam_speed = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
     cam_force = springs.cam_normal_share * np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     film = contact_loads.friction
     if film is not None:
         friction_speeds = film.contacts * slip
         return {
-            "teeth": np.sum(friction_speeds[:, :teeth] * contact_loads.teeth, axis=1),
+            "teeth": np.sum(friction_speeds[:, :tooth_count] * contact_loads.teeth, axis=1),
             "cam": film.cam * design.gear.bore_radius * cam_speed * cam_force,
-            "output": np.sum(friction_speeds[:, teeth:] * contact_loads.output, axis=1),
+            "output": np.sum(friction_speeds[:, tooth_count:] * contact_loads.output, axis=1),
         }
     return {
-        "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :teeth], axis=1),
+        "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :tooth_count], axis=1),
         "cam": design.friction_of("cam") * design.gear.bore_radius * cam_speed * cam_force,
-        "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, teeth:], axis=1),
+        "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, tooth_count:], axis=1),
     }

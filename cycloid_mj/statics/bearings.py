@@ -104,8 +104,8 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
     Reactions
         Forces of the discs (m, D, 2) [N], and reactions of the bearings (m, 2) [N].
     """
-    ring = _react_by_disc(contact_loads.teeth, springs.directions[:, : springs.teeth], contact_loads.discs)
-    return compute_spatial_reactions(reducer, -contact_loads.cam, output_forces(springs, contact_loads), ring)
+    ring_force = _react_by_disc(contact_loads.teeth, springs.directions[:, : springs.teeth], contact_loads.discs)
+    return compute_spatial_reactions(reducer, -contact_loads.cam, output_forces(springs, contact_loads), ring_force)
 
 
 def output_forces(springs: Springs, contact_loads: Loads) -> Array:
@@ -134,7 +134,7 @@ def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, rin
     shaft_planes, output_planes, ring_planes = (
         Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring)
     )
-    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer))
+    far_bearing, near_bearing = (0.5 * sum(seat_ends) for seat_ends in bearing_seats(reducer))
     shaft_reactions = shaft_planes.reactions_at(far_bearing, near_bearing)
     output_reactions: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":

@@ -101,8 +101,8 @@ class CamNeedles:
 
     def with_shares(self, rollers: Array) -> "CamNeedles":
         """Return the rollers with the shares that follow from their forces [N], shape (m, D, Z)."""
-        total = np.maximum(rollers.sum(axis=2), np.finfo(float).tiny)
-        return replace(self, shares=np.linalg.norm(self.resultants(rollers), axis=2) / total)
+        total_force = np.maximum(rollers.sum(axis=2), np.finfo(float).tiny)
+        return replace(self, shares=np.linalg.norm(self.resultants(rollers), axis=2) / total_force)
 
 
 def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
@@ -113,11 +113,11 @@ def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
     needles = reducer.separate_needles
     if not needles:
         return None
-    cam = reducer.at_rated_load.contacts["cam"]
+    cam_contact = reducer.at_rated_load.contacts["cam"]
     return CamNeedles(
         directions=needle_directions(reducer, springs.crank),
         stiffness=needle_share(needles) * springs.contacts.cam_stiffness,
-        reach=springs.contacts.cam_clearance + MAX_DEFLECTION * cam.force / springs.contacts.cam_stiffness,
+        reach=springs.contacts.cam_clearance + MAX_DEFLECTION * cam_contact.force / springs.contacts.cam_stiffness,
         shares=np.full((springs.crank.size, reducer.design.gear.discs), EVEN_SHARE),
     )
 

@@ -194,12 +194,12 @@ class FilmSurfaces:
             The smaller friction coefficient of each contact with its film state (`MixedFriction`), and a mask, shape
             (m, teeth): true where the seat has the smaller friction, so that the pin rolls on the disc.
         """
-        flank, seat = self.flank_friction(force), self.seat_friction(force)
-        if seat is None:
-            return flank, np.zeros(flank.coefficient.shape, dtype=bool)
-        pin_rolls = seat.coefficient < flank.coefficient
+        flank_friction, seat_friction = self.flank_friction(force), self.seat_friction(force)
+        if seat_friction is None:
+            return flank_friction, np.zeros(flank_friction.coefficient.shape, dtype=bool)
+        pin_rolls = seat_friction.coefficient < flank_friction.coefficient
         return MixedFriction(
-            *(np.where(pin_rolls, getattr(seat, name), value) for name, value in vars(flank).items())
+            *(np.where(pin_rolls, getattr(seat_friction, name), value) for name, value in vars(flank_friction).items())
         ), pin_rolls
 
     @property
@@ -252,8 +252,8 @@ class FilmSurfaces:
 
     def mean_cam_friction(self, force: Array) -> float:
         """Return the mean of `cam_friction` weighted by the forces of the cams [N]; 0 without forces."""
-        total = max(float(np.sum(force)), np.finfo(float).tiny)
-        return float(np.sum(self.cam_friction(force) * force) / total)
+        total_force = max(float(np.sum(force)), np.finfo(float).tiny)
+        return float(np.sum(self.cam_friction(force) * force) / total_force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,11 +335,13 @@ class FilmContacts:
         of the teeth. The result is that of `friction`.
         """
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
-        teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
+        tooth_force, pin_force, cam_force = (
+            reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam")
+        )
         return self.friction(
-            np.full(shape, teeth / reducer.design.ring.halves),
-            np.full((shape[0], self.studs), output),
-            np.full((shape[0], reducer.design.gear.discs), cam),
+            np.full(shape, tooth_force / reducer.design.ring.halves),
+            np.full((shape[0], self.studs), pin_force),
+            np.full((shape[0], reducer.design.gear.discs), cam_force),
         )
 
 
@@ -461,34 +463,34 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         Torques on crank and output [N m].
     """
     design = reducer.design
-    crank, output = design.drag.crank, design.drag.output
+    crank_drag, output_drag = design.drag.crank, design.drag.output
     if not design.has_film:
-        return crank, output
-    if not (crank or output):
-        crank, output = _seals_on_shafts(reducer)
-    crank, output = inputs.seals * crank, inputs.seals * output
+        return crank_drag, output_drag
+    if not (crank_drag or output_drag):
+        crank_drag, output_drag = _seals_on_shafts(reducer)
+    crank_drag, output_drag = inputs.seals * crank_drag, inputs.seals * output_drag
     if isinstance(reducer, RvReducer):
         needle_power, taper_power, main_power = (
             idle_power(reducer, bearings, inputs) for bearings in roller_bearings(reducer)
         )
         sun_speed, output_speed = abs(design.drive.speed), abs(reducer.output_speed)
         return (
-            (crank + (needle_power + taper_power) / sun_speed, output + main_power / output_speed)
+            (crank_drag + (needle_power + taper_power) / sun_speed, output_drag + main_power / output_speed)
             if sun_speed
-            else (crank, output)
+            else (crank_drag, output_drag)
         )
     if design.gear.bearing == "rolling":
         cam_speed = abs(reducer.speed_against_ring) * design.ring.teeth / design.lobes
         speed_ratio = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
-        cams = RollerBearings("cam", design.gear.discs, cam_mean_diameter(reducer), cam_speed)
-        crank += speed_ratio * idle_torque_of(reducer, cams, inputs)
-    return crank, output
+        cam_bearings = RollerBearings("cam", design.gear.discs, cam_mean_diameter(reducer), cam_speed)
+        crank_drag += speed_ratio * idle_torque_of(reducer, cam_bearings, inputs)
+    return crank_drag, output_drag
 
 
 def drag_power(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> float:
     """Compute the power of `drag_torques` [W] at the speed of the drive."""
-    (crank, output), speed = drag_torques(reducer, inputs), abs(reducer.design.drive.speed)
-    return crank * speed + output * speed / reducer.design.reduction
+    (crank_drag, output_drag), speed = drag_torques(reducer, inputs), abs(reducer.design.drive.speed)
+    return crank_drag * speed + output_drag * speed / reducer.design.reduction
 
 
 @dataclass(frozen=True)
@@ -557,15 +559,15 @@ def state_seals(reducer: Drive) -> Drive:
     drag = reducer.design.drag
     if not reducer.design.has_film or drag.crank or drag.output:
         return reducer
-    crank, output = _seals_on_shafts(reducer)
-    return reducer.but(drag={"crank": crank, "output": output})
+    crank_torque, output_torque = _seals_on_shafts(reducer)
+    return reducer.but(drag={"crank": crank_torque, "output": output_torque})
 
 
 def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
     """Return the torques of the seals on crank and output [N m]; the seal on the shaft turns against the ring."""
-    crank, output = seal_torques(reducer)
+    crank_torque, output_torque = seal_torques(reducer)
     crank_speed = reducer.design.drive.speed
-    return crank * (abs(reducer.speed_against_ring / crank_speed) if crank_speed else 1.0), output
+    return crank_torque * (abs(reducer.speed_against_ring / crank_speed) if crank_speed else 1.0), output_torque
 
 
 @once

@@ -119,7 +119,8 @@ def sample_inputs(
 def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: Array) -> Spread:
     """Compute the 5 to 95 % interval of a result, and the share of each input in the variance of this result.
 
-    The shares follow from a linear regression of `outcomes` on `positions`.
+    The interval is from the 5th to the 95th percentile of `outcomes`. The shares follow from a linear regression of
+    `outcomes` on `positions`.
 
     Parameters
     ----------
@@ -131,13 +132,18 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
         Position of each input in its range, from 0 to 1, shape (n, inputs), in the order of `RANGES`.
     """
     outcomes = np.asarray(outcomes, float)
-    low, high = np.percentile(outcomes, PERCENTILES)
+    low_outcome, high_outcome = np.percentile(outcomes, PERCENTILES)
     standardised = (positions - positions.mean(axis=0)) / positions.std(axis=0)
     slopes, *_ = np.linalg.lstsq(standardised, outcomes - outcomes.mean(), rcond=None)
-    shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
-    by_share = np.argsort(-shares)
-    names = [bounds.name for bounds in RANGES.values()]
-    return Spread(value, float(low), float(high), tuple((names[index], float(shares[index])) for index in by_share))
+    variance_shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
+    by_share = np.argsort(-variance_shares)
+    input_names = [bounds.name for bounds in RANGES.values()]
+    return Spread(
+        value,
+        float(low_outcome),
+        float(high_outcome),
+        tuple((input_names[index], float(variance_shares[index])) for index in by_share),
+    )
 
 
 @once

@@ -52,14 +52,18 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     angles = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
     phases = profile.pin_angles(gear) + angles[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
-    teeth = _forces_with_clearance(profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness)
-    pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, angles)
+    tooth_forces = _forces_with_clearance(
+        profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness
+    )
+    pin_forces = ideal_loads.ideal_output_forces(
+        gear, design.output.pins, design.output.pin_circle_radius, torque, angles
+    )
     sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
     hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
     total_loss, missing_loss = 0.0, 0.0
-    contacts = [(design.tooth_pair, design.mesh_friction, teeth, sliding, _creep_speed_factor(reducer))]
+    contacts = [(design.tooth_pair, design.mesh_friction, tooth_forces, sliding, _creep_speed_factor(reducer))]
     if design.layout == "central":
-        contacts.append(("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0))
+        contacts.append(("output", design.friction_of("output"), pin_forces, np.full_like(pin_forces, hole_speed), 1.0))
     for kind, friction, force, slip, speed_factor in contacts:
         loss = friction * force * slip
         limit_speed = speed_factor * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
@@ -81,8 +85,11 @@ def _creep_speed_factor(reducer: Reducer) -> float:
     at the seat.
     """
     design = reducer.design
-    ring, seat = design.ring, design.seat_pair
-    flank_friction, seat_friction = design.friction_of(design.tooth_pair), design.friction_of(seat) if seat else 0.0
+    ring, seat_kind = design.ring, design.seat_pair
+    flank_friction, seat_friction = (
+        design.friction_of(design.tooth_pair),
+        design.friction_of(seat_kind) if seat_kind else 0.0,
+    )
     if not ring.has_pin_bodies or not min(flank_friction, seat_friction) > 0.0:
         return 1.0
     radius_ratio = ring.sleeve_bore_radius / ring.pin_radius if ring.has_sleeves else 1.0

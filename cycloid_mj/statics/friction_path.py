@@ -211,7 +211,7 @@ def build_friction_elements(
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
     contact_count, disc_count, seal_count = mesh_gaps.kind.size, springs.cam_position.shape[1], _SETTINGS.seal_elements
-    radius, teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
+    radius, ring_teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
     sliding = np.zeros((contact_count + disc_count + seal_count, springs.slope.shape[2]))
     sliding[:contact_count] = mesh_gaps.slip_slope[0]
     cam_rows, seal_rows = slice(contact_count, contact_count + disc_count), slice(contact_count + disc_count, None)
@@ -221,7 +221,7 @@ def build_friction_elements(
         # the crank rotates by N - 1 per rotation of the output, and carries the ideal parts along
         carried_motion = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
         sliding[:contact_count, -1] += mesh_gaps.slip_slope[0] @ carried_motion
-        sliding[cam_rows, -1] = -teeth * bore_radius / radius
+        sliding[cam_rows, -1] = -ring_teeth * bore_radius / radius
     coefficients = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {
         design.tooth_pair: design.mesh_friction
     }

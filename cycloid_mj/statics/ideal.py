@@ -17,8 +17,8 @@ from cycloid_mj.statics.springs import body_force
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
     """Compute the largest force [N] of a kind of contact at crank angles (m,) [rad], by ideal load sharing.
 
-    The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or the kind of the teeth. An RV
-    reducer has "crank_bearing" and "planet_mesh" instead of "cam" and "output".
+    The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or that of the teeth, "pin_gear" or
+    "tooth". An RV reducer has "crank_bearing" and "planet_mesh" instead of "cam" and "output".
     """
     if isinstance(reducer, RvReducer):
         return _ideal_rv_peak(reducer, kind, crank_angle)
@@ -34,8 +34,8 @@ def ideal_rv_at(reducer: RvReducer, crank_angle: Array) -> IdealRvLoads:
 def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
     """Compute the largest force [N] of a kind of contact of an RV reducer at crank angles (m,) [rad].
 
-    `kind` is "crank_bearing", "planet_mesh" or the kind of the teeth. Load sharing is ideal; planets share the torque
-    of the sun equally.
+    `kind` is "crank_bearing", "planet_mesh" or that of the teeth, "pin_gear" or "tooth". Load sharing is ideal; planets
+    share the torque of the sun equally.
     """
     if kind == names.PLANET_MESH:
         sun_torque = reducer.share * abs(reducer.design.load.torque) / reducer.stage.to_carrier
@@ -99,8 +99,8 @@ def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float)
     """Compute the largest force [N] of a kind of contact on the disc at a `phase` [rad], at crank angles (m,) [rad]."""
     if kind == "cam":
         return float(_cam_force(reducer, crank, phase).max())
-    ring, pins, _ = _share_load(reducer, crank, phase)
-    return float((pins if kind == "output" else ring.forces).max())
+    ring_loads, pin_forces, _ = _share_load(reducer, crank, phase)
+    return float((pin_forces if kind == "output" else ring_loads.forces).max())
 
 
 def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
@@ -117,6 +117,6 @@ def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loa
     design = reducer.design
     gear, output, ring_crank = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
     torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs
-    ring = ideal_loads.ideal_load_sharing(gear, torque, ring_crank + phase)
+    ring_loads = ideal_loads.ideal_load_sharing(gear, torque, ring_crank + phase)
     pin_forces = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, ring_crank, phase)
-    return ring, pin_forces, ring_crank
+    return ring_loads, pin_forces, ring_crank

@@ -118,41 +118,45 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
 def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for torque and rotation of the output at a locked crank angle [rad], up to +-`max_torque` [N m].
 
-    Across the backlash, the torque rises from -1e-6 to 1e-6 of `max_torque`, so that it increases everywhere. The
-    reducer should have a rigid structure. The caller adds the torsion, so that a fit of torsion needs no new solution.
+    Across the backlash, the torque rises from -1e-6 to 1e-6 of `max_torque`, so that it increases everywhere.
+    `reducer` must have a rigid structure: the caller adds the torsion, so that a fit of torsion needs no new solution.
     """
     weightless_reducer = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    shares = np.array(SHARES)
-    springs = springs_of(weightless_reducer, np.full(len(shares), crank), friction=False)
+    torque_shares = np.array(SHARES)
+    springs = springs_of(weightless_reducer, np.full(len(torque_shares), crank), friction=False)
     # from the largest torque down: solutions with barely touching contacts start from those with firm contact
-    decreasing_torque = max_torque * shares[::-1]
-    sides = [
+    decreasing_torque = max_torque * torque_shares[::-1]
+    side_rotations = [
         loads(weightless_reducer, springs, sign * decreasing_torque, warm_start=True).output_turn[::-1]
         for sign in (-1.0, 1.0)
     ]
-    return _join_sides(max_torque, sides)
+    return _join_sides(max_torque, side_rotations)
 
 
 @lru_cache(maxsize=16)
 def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for torque and rotation of the output of an RV reducer at a locked sun, up to +-`max_torque` [N m]."""
-    shares = np.array(SHARES)
-    torque = reducer.share * max_torque * np.concatenate([-shares, shares])
+    torque_shares = np.array(SHARES)
+    torque = reducer.share * max_torque * np.concatenate([-torque_shares, torque_shares])
     turn = reducer.share * solve_rv_loads(compute_rv_springs(reducer, np.full(torque.size, crank)), torque).carrier_turn
     return _join_sides(max_torque, np.split(turn, 2))
 
 
-def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
-    """Join the output rotations [rad] under negative and under positive torques, `sides`, to a curve over the torque.
+def _join_sides(max_torque: float, side_rotations: Sequence[Array]) -> LockedCurve:
+    """Join the output rotations [rad] under negative and under positive torques to a curve over the torque.
 
-    The torques are `SHARES` of `max_torque` [N m], the same on both sides.
+    `side_rotations` are the rotations under negative, then those under positive torques.     The torques are `SHARES`
+    of `max_torque` [N m], the same on both sides.
     """
-    shares = np.array(SHARES)
+    torque_shares = np.array(SHARES)
     # the line through the two smallest torques extrapolates to the point where the contacts close
-    stop_rotations = [turns[0] - (turns[1] - turns[0]) * shares[0] / (shares[1] - shares[0]) for turns in sides]
+    stop_rotations = [
+        turns[0] - (turns[1] - turns[0]) * torque_shares[0] / (torque_shares[1] - torque_shares[0])
+        for turns in side_rotations
+    ]
     # a small torque across the backlash, so that the torque is unique at every rotation
-    torque = max_torque * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
-    rotation = np.concatenate([sides[0][::-1], [stop_rotations[0], stop_rotations[1]], sides[1]])
+    torque = max_torque * np.concatenate([-torque_shares[::-1], [-1e-6, 1e-6], torque_shares])
+    rotation = np.concatenate([side_rotations[0][::-1], [stop_rotations[0], stop_rotations[1]], side_rotations[1]])
     return LockedCurve(torque, np.maximum.accumulate(rotation))
 
 
@@ -254,9 +258,12 @@ def _compute_vertices(
         for element in range(len(slip)):
             element_rotation = np.minimum(np.maximum(vertices - origin[element], -slip[element]), slip[element])
             total_torque += stiffness[element] * element_rotation
-        low, high = min(reversals[branch], reversals[branch + 1]), max(reversals[branch], reversals[branch + 1])
-        inner_torque = total_torque[(total_torque > low) & (total_torque < high)]
-        torque = np.concatenate((np.array([low]), inner_torque, np.array([high])))
+        min_torque, max_torque = (
+            min(reversals[branch], reversals[branch + 1]),
+            max(reversals[branch], reversals[branch + 1]),
+        )
+        inner_torque = total_torque[(total_torque > min_torque) & (total_torque < max_torque)]
+        torque = np.concatenate((np.array([min_torque]), inner_torque, np.array([max_torque])))
         if reversals[branch + 1] < reversals[branch]:
             torque = torque[::-1].copy()
         vertex_rotation = np.interp(torque, total_torque, vertices)

@@ -593,9 +593,9 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     tuple
         Gaps of all c contacts, pins before planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
     """
-    disc_displacements, pins = displacements[:, springs.disc_unknowns], springs.pins
+    disc_displacements, pin_count = displacements[:, springs.disc_unknowns], springs.pins
     gaps = springs.gap.copy()
-    gaps[:, pins:] += (springs.slope[:, pins:] @ displacements[..., np.newaxis])[..., 0]
+    gaps[:, pin_count:] += (springs.slope[:, pin_count:] @ displacements[..., np.newaxis])[..., 0]
     rotation, shift_of_rotation = (
         disc_displacements[..., 2] / springs.lever,
         springs.shift_slope[..., 2] * disc_displacements[..., 2],
@@ -603,7 +603,7 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     shift = springs.shift + np.einsum("mci,mci->mc", springs.shift_slope, disc_displacements)
     rise = shift * (springs.bend + 0.5 * springs.twist * shift)
     curvature_term = shift**2 * (0.5 * springs.bend + springs.twist * shift / 6.0)
-    gaps[:, :pins] += (
+    gaps[:, :pin_count] += (
         np.einsum("mci,mci->mc", springs.tooth_slope, disc_displacements)
         + curvature_term
         - rotation * (shift - 0.5 * shift_of_rotation)
@@ -622,8 +622,8 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 def _tooth_gradients(springs: RvSprings, rise: Array, arm: Array) -> Array:
     """Return the gradients of the gaps of pins by x, y and rotation of their disc [1], shape (m, pins, 3).
 
-    `rise` and `arm` are the factors a and b of `_contact_gaps`, shape (m, pins). `springs` are the contact springs at m
-    crank angles.
+    `rise` [1] and `arm` [m] are the factors a and b of `_contact_gaps`, shape (m, pins). `springs` are the contact
+    springs at m crank angles.
     """
     gradients = springs.tooth_slope + rise[..., np.newaxis] * springs.shift_slope
     gradients[..., 2] -= arm / springs.lever
@@ -726,8 +726,10 @@ def _tangent_stiffness(springs: RvSprings, displacements: Array) -> Array:
     weights = np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
     flank_gradients = springs.slope[:, springs.pins :] * weights[:, springs.pins :]
     tangent = np.swapaxes(flank_gradients, 1, 2) @ flank_gradients
-    teeth = (_tooth_gradients(springs, rise, arm) * weights[:, : springs.pins]).reshape(len(gaps), springs.discs, -1, 3)
-    disc_stiffness = np.swapaxes(teeth, 2, 3) @ teeth
+    weighted_gradients = (_tooth_gradients(springs, rise, arm) * weights[:, : springs.pins]).reshape(
+        len(gaps), springs.discs, -1, 3
+    )
+    disc_stiffness = np.swapaxes(weighted_gradients, 2, 3) @ weighted_gradients
     for disc in range(springs.discs):
         unknowns = slice(3 * disc, 3 * disc + 3)
         tangent[:, unknowns, unknowns] += disc_stiffness[:, disc]

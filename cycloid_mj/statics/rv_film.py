@@ -109,14 +109,16 @@ class RvFilm:
 
     def load(self, loads: RvLoads) -> Array:
         """Return the generalised forces of friction under the forces of a solution [N], shape (m, u)."""
-        teeth = self.tooth_friction(loads).coefficient
+        tooth_coefficient = self.tooth_friction(loads).coefficient
         planets = planet_friction(self.reducer, loads.meshes, self.contacts.surfaces.inputs)
-        return self.factor * self.unit.generalised(teeth * loads.pins, loads.bearings, planets * loads.meshes)
+        return self.factor * self.unit.generalised(
+            tooth_coefficient * loads.pins, loads.bearings, planets * loads.meshes
+        )
 
     def on_discs(self, loads: RvLoads) -> tuple[Array, Array]:
         """Return the generalised friction per force of pins (m, pins, u) and of crank bearings (D, n, u) [1]."""
-        teeth = self.tooth_friction(loads).coefficient[..., np.newaxis] * self.unit.teeth
-        return self.factor * teeth, self.factor * self.unit.bearings
+        unit_friction = self.tooth_friction(loads).coefficient[..., np.newaxis] * self.unit.teeth
+        return self.factor * unit_friction, self.factor * self.unit.bearings
 
 
 def bearing_friction(reducer: RvReducer) -> tuple[float, float]:

@@ -65,8 +65,10 @@ def pin_error_equilibrium(reducer: RvReducer, torque: float) -> PinErrorEquilibr
     There are `ANGLES_PER_PIN` crank angles per pin over a turn of the cranks. Friction is left out; so are errors of
     cranks, bores and planets, which do not repeat after this turn.
     """
-    pins = reducer.design.ring.teeth
-    perfect_reducer = reducer.but(errors={"pin_x": (0.0,) * pins, "pin_y": (0.0,) * pins}, crank_errors=CrankErrors())
-    crank = np.linspace(0.0, 2.0 * np.pi, ANGLES_PER_PIN * pins, endpoint=False)
-    springs = compute_rv_springs(perfect_reducer, crank)
+    pin_count = reducer.design.ring.teeth
+    perfect_reducer = reducer.but(
+        errors={"pin_x": (0.0,) * pin_count, "pin_y": (0.0,) * pin_count}, crank_errors=CrankErrors()
+    )
+    crank_angles = np.linspace(0.0, 2.0 * np.pi, ANGLES_PER_PIN * pin_count, endpoint=False)
+    springs = compute_rv_springs(perfect_reducer, crank_angles)
     return PinErrorEquilibrium(perfect_reducer, torque, springs, solve_rv_loads(springs, torque))

@@ -75,8 +75,8 @@ def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) 
     order in which the drive passes them. The angles within any part of the turn then cover this part nearly evenly,
     too.
     """
-    shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
-    return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * shares)
+    turn_shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
+    return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * turn_shares)
 
 
 def _carrier_sense(reducer: RvReducer) -> float:
@@ -199,10 +199,12 @@ def closed_rotation(reducer: RvReducer) -> Array:
 
     The shape is (n,), for n crank angles from `closed_form_angles`. The sun is fixed; clearance and load are left out.
     """
-    crank = closed_form_angles(reducer)
-    rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
+    crank_angles = closed_form_angles(reducer)
+    rotation = closed_form_error(
+        reducer.stage, crank_angles, phase_errors(reducer, crank_angles), crank_misfits(reducer, crank_angles)
+    )
     # a crank turns N - 1 times against the ring per turn of the output, against the carrier's direction of rotation
-    output_angle = (1.0 if reducer.design.output.turns_ring else -1.0) * crank / reducer.design.lobes
+    output_angle = (1.0 if reducer.design.output.turns_ring else -1.0) * crank_angles / reducer.design.lobes
     return reducer.share * rotation + runout_error(reducer, output_angle)
 
 
@@ -227,7 +229,9 @@ def error_rotation(reducer: RvReducer) -> Array:
 def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin] and stiffness [N m/arcmin] of an RV reducer at a fixed sun.
 
-    Friction and weight are not included; `load` is the torque on the output [N m].
+    Backlash is the mean, smallest and largest over a turn of the carrier; lost motion and stiffness are means. Lost
+    motion is taken between +3 % and -3 % of `load`, the torque on the output [N m], stiffness from 50 to 100 % of it.
+    Friction and weight are not included.
     """
 
     def rotation(torque: float) -> Array:
@@ -261,7 +265,7 @@ def lost_motion(reducer: RvReducer, load: float) -> float:
 
 
 def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield forces [N] of cranks, pins and planets, pressure [MPa] on the pins, and transmission errors [arcsec].
+    """Yield forces [N] of cranks, pins and planets, pressure [MPa] on the pins, and transmission errors p-p [arcsec].
 
     Forces are the largest and the mean over a turn of the carrier. Crank forces are yielded for ideal sharing and for
     equilibrium with and without friction. `load` is the torque on the output [N m]. Keys and definitions are in

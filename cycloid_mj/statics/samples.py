@@ -179,8 +179,10 @@ def solve_samples(
         figures = SampleFigures(*torque_rows[:, :-1].T.copy())
         output = {"output_mean": output_share * figures.output_mean + twist * torque}
         # with the friction force of a plain cam, as in `Loads`
-        cam = figures.cam / springs.cam_normal_share
-        solved_batches.append(replace(figures, cam=cam, **output, output_range=output_share * figures.output_range))
+        cam_force = figures.cam / springs.cam_normal_share
+        solved_batches.append(
+            replace(figures, cam=cam_force, **output, output_range=output_share * figures.output_range)
+        )
     return solved_batches
 
 
@@ -267,14 +269,19 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         cosine and sine of the crank angle. `waves` (k, n, 1 + 2 orders) has in its first column the change of the gaps
         by `common_waves` [m], and in the others the derivative of the gaps by each cosine and each sine amplitude [1].
     """
-    contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
+    contacts, tooth_count, gear, disc_count = (
+        springs.contacts,
+        springs.teeth,
+        reducer.tooth_profile,
+        reducer.design.gear.discs,
+    )
     disc_rotation = gear_rotation(gear, springs.crank)
     disc_axes = (
         np.stack([np.cos(disc_rotation), np.sin(disc_rotation)], axis=-1),
         np.stack([-np.sin(disc_rotation), np.cos(disc_rotation)], axis=-1),
     )
-    outward_direction = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
-    rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
+    outward_direction = np.tile(profile.unit(profile.pin_angles(gear)), (disc_count * reducer.design.ring.halves, 1))
+    rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :tooth_count, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
         """Compute the derivatives of distances or shifts of n contacts by four manufacturing errors, shape (k, n, 4).
@@ -285,11 +292,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))
-        effects[:, :teeth, :2] = -gradients[:, :teeth, :2]
+        effects[:, :tooth_count, :2] = -gradients[:, :tooth_count, :2]
         for axis in (0, 1):
-            effects[:, teeth:, axis] = np.einsum("kni,ki->kn", gradients[:, teeth:, :2], disc_axes[axis])
-        effects[:, :teeth, 2] = np.einsum("kni,ni->kn", gradients[:, :teeth, :2], outward_direction)
-        effects[:, :teeth, 3] = gradients[:, :teeth, 2] * rotation_sign * contacts.radius
+            effects[:, tooth_count:, axis] = np.einsum("kni,ki->kn", gradients[:, tooth_count:, :2], disc_axes[axis])
+        effects[:, :tooth_count, 2] = np.einsum("kni,ni->kn", gradients[:, :tooth_count, :2], outward_direction)
+        effects[:, :tooth_count, 3] = gradients[:, :tooth_count, 2] * rotation_sign * contacts.radius
         return effects
 
     unit_reducer = reducer.but(errors={"eccentricity": 1e-6})
@@ -309,10 +316,10 @@ def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_w
     derivatives by the amplitude of the cosine, then of the sine, of each of the w `orders` [1]. `springs` are the
     contact springs at k crank angles. Gaps of output pins do not change.
     """
-    phase, teeth = springs.contacts.phase, springs.teeth
-    profile_angle = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
+    phase, tooth_count = springs.contacts.phase, springs.teeth
+    profile_angle = phase[:, :tooth_count, np.newaxis] / reducer.tooth_profile.lobes
     waves = np.zeros((*phase.shape, 1 + 2 * orders.size))
-    waves[:, :teeth] = np.concatenate(
+    waves[:, :tooth_count] = np.concatenate(
         [profile_error(common_waves, profile_angle), np.cos(profile_angle * orders), np.sin(profile_angle * orders)],
         axis=2,
     )
@@ -344,11 +351,15 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     halves = design.ring.halves
     tooth_clearance = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
     tooth_clearances = (tooth_clearance[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(sample_count, -1)
-    holes = samples.hole_displacement.reshape(sample_count, -1, 2)
-    pin_clearances = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
+    hole_displacements = samples.hole_displacement.reshape(sample_count, -1, 2)
+    pin_clearances = np.broadcast_to(
+        (samples.output - design.clearance.output)[:, np.newaxis], hole_displacements.shape[:2]
+    )
     deviations = {
         "clearance": springs.contacts.clearance + np.concatenate([tooth_clearances, pin_clearances], axis=1),
-        "displacement": np.concatenate([np.tile(samples.pin_displacement, (1, discs * halves, 1)), holes], axis=1),
+        "displacement": np.concatenate(
+            [np.tile(samples.pin_displacement, (1, discs * halves, 1)), hole_displacements], axis=1
+        ),
         "waves": np.concatenate([np.ones((sample_count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
     } | {name: getattr(samples, name) for name in SampleDeviations._fields[3:]}
     # numba compiles everything again for each memory layout, and for read-only arrays

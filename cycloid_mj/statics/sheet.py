@@ -161,7 +161,7 @@ class Sheet(Presented):
         ``design`` and ``condition`` are texts, ``load_source`` is the origin of the load, and ``assumptions`` are
         sentences. ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest
         relative difference from the simulations that ``known_difference_from`` names, or None; its ``parts`` says
-        whether the parts are perfect.
+        whether the parts of the reducer are perfect or have the errors of the design.
         """
         return {
             "design": self.design,
@@ -355,11 +355,13 @@ def _motion_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
         yield sheet_quantity(
             "stiffness_contacts", _stiffness(solve_windups(rigid, crank_angles, load, warm_start=True))
         )
-        compliance |= {part: value / ARCMINUTE for part, value in twisting_compliance(reducer).items()}
+        compliance |= {
+            part: part_compliance / ARCMINUTE for part, part_compliance in twisting_compliance(reducer).items()
+        }
     else:
         compliance.pop("bending")
-    for part, value in compliance.items():
-        yield sheet_quantity(f"compliance_{part}", value)
+    for part, part_compliance in compliance.items():
+        yield sheet_quantity(f"compliance_{part}", part_compliance)
 
 
 def _stiffness(windups: Sequence[Windup]) -> float:
@@ -370,7 +372,7 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 def _error_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the peak-to-peak and rms transmission errors of disc and output [arcsec], unloaded and loaded.
 
-    They are computed in both directions, with friction. Two differences of mean angles follow [arcsec]: the reversal
+    They are computed in both directions, with friction. Two differences of mean rotations follow [arcsec]: the reversal
     error, between forward and reverse motion without load, and the wind-up, between load and no load in forward motion.
     A reducer with a central crank also has the rms inertia torque of an output that follows the error, relative to
     `load` (`inertia_share`). `load` is the torque on the output [N m].

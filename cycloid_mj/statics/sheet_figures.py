@@ -104,8 +104,8 @@ def _has_contact(kind: str) -> Callable[[Reducer], bool]:
     return lambda reducer: kind in reducer.design.pair_kinds
 
 
-def _has_disc(number: int) -> Callable[[Reducer], bool]:
-    return lambda reducer: reducer.design.gear.discs >= max(number, 2)
+def _has_disc(disc_number: int) -> Callable[[Reducer], bool]:
+    return lambda reducer: reducer.design.gear.discs >= max(disc_number, 2)
 
 
 # fmt: off
@@ -172,10 +172,11 @@ def _error_rows() -> Iterator[SheetFigure]:
 
 def _load_rows() -> Iterator[SheetFigure]:
     """Yield the catalogue entries of load shares, forces, pressures and capacities (key, name, unit, definition)."""
-    for number in range(1, 5):
-        name = f"share of disc {number} in the torque"
+    for disc_number in range(1, 5):
+        name = f"share of disc {disc_number} in the torque"
         yield SheetFigure(
-            f"disc_{number}_share", "1", name, f"Mean {name} on the output {_LOADED}.", exists=_has_disc(number))
+            f"disc_{disc_number}_share", "1", name, f"Mean {name} on the output {_LOADED}.",
+            exists=_has_disc(disc_number))
     for kind, pair in CONTACTS.items():
         for suffix, unit, name, definition in (
             ("peak_force", "N", "largest force", f"Largest normal force, {pair}, {_LOADED}."),

@@ -78,8 +78,9 @@ Glued cams count as keyed ones, and clamped cams as shrunk ones (assumed).
 def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
     """Compute the fatigue notch factors of the shaft in its cams, in bending and torsion (DIN 743-2:2012, table 1).
 
-    They are the factors measured in tests, times K3(d_test)/K3(d) for the diameter d of the shaft. None is returned for
-    cams in one piece with the shaft, which have shoulders. `tensile` is the tensile strength of the shaft [Pa].
+    They are the factors measured in tests on shafts of the diameter d_test, times K3(d_test)/K3(d), with the size
+    factor K3 of the standard and the diameter d of the shaft. None is returned for cams in one piece with the shaft,
+    which have shoulders. `tensile` is the tensile strength of the shaft [Pa].
     """
     seat, diameter = SEATS.get(design.cam_joint), 2.0 * design.shaft.radius
     if seat is None:

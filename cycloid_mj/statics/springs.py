@@ -132,19 +132,21 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank = reducer.member.against_ring(crank)
     speed, reducer = reducer.speed_against_ring, reducer.at_rated_load
     mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
-    teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
-    contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_displacements(reducer, crank))
+    tooth_count = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
+    contacts = _kernel_springs(reducer, mesh_gaps, tooth_count, cam_displacements(reducer, crank))
     film = (
-        build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
+        build_film_contacts(reducer, crank, mesh_gaps, tooth_count, motion)
+        if friction and reducer.design.has_film
+        else None
     )
     if friction and film is None:
         contacts = contacts._replace(friction_per_force=compute_friction_per_force(reducer, mesh_gaps, motion))
         contacts = _with_cam_friction(contacts, reducer, math.copysign(reducer.design.friction_of("cam"), speed))
     springs = Springs(
         crank=crank,
-        teeth=teeth,
+        teeth=tooth_count,
         contacts=contacts,
-        curvature=mesh_gaps.relative_curvature[:, :teeth],
+        curvature=mesh_gaps.relative_curvature[:, :tooth_count],
         body_force=disc_forces,
         slip=np.einsum("mnu,mu->mn", mesh_gaps.slip_slope, motion),
         film=film,
@@ -161,16 +163,16 @@ def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coeffic
     )
 
 
-def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
+def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, tooth_count: int, cam_positions: Array) -> kernel.KernelSprings:
     """Return the contact springs, including those of the cams, for the compiled kernel, without friction.
 
-    `mesh_gaps` are the gaps at m crank angles, and `teeth` is the number of contact lines with the ring among them.
+    `mesh_gaps` are the gaps at m crank angles, and `tooth_count` is the number of those with the ring.
     `cam_positions` [m], shape (m, D, 2), are the positions of the cams in D discs.
     """
     design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
     output_stiffness = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
-    stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
+    stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :tooth_count])
     gap_attributes = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
     return kernel.KernelSprings(
         radius=design.output.pin_circle_radius,

@@ -57,11 +57,11 @@ def twisting_compliance(reducer: Reducer) -> dict[str, float]:
     by the square of `Member.share`. Contact forces do not change, as all contacts rotate together.
     """
     design = reducer.design
-    stiffness, teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
+    stiffness, ring_teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
     return {
         "carrier": share_squared / stiffness["carrier"],
         "shaft": share_squared / (stiffness["shaft"] * design.lobes**2),
-        "housing": share_squared * (teeth / design.lobes) ** 2 / stiffness["housing"],
+        "housing": share_squared * (ring_teeth / design.lobes) ** 2 / stiffness["housing"],
     }
 
 
@@ -82,7 +82,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
         The crank cannot be manufactured.
     """
     design = reducer.design
-    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_segments(reducer)))
+    far_bearing, near_bearing = (0.5 * sum(seat_ends) for seat_ends in bearing_seats(reducer, crank_segments(reducer)))
     disc_planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
     breakpoints = np.unique([far_bearing, near_bearing, *disc_planes])
     points = np.stack([breakpoints[:-1], 0.5 * (breakpoints[:-1] + breakpoints[1:]), breakpoints[1:]])
@@ -120,5 +120,5 @@ def structure_text(reducer: Reducer) -> str:
     )
 
 
-def _ring_stiffness(material: Material, thickness: float, inner: float, outer: float) -> float:
-    return 4.0 * math.pi * shear_modulus(material) * thickness / (inner**-2 - outer**-2)
+def _ring_stiffness(material: Material, thickness: float, inner_radius: float, outer_radius: float) -> float:
+    return 4.0 * math.pi * shear_modulus(material) * thickness / (inner_radius**-2 - outer_radius**-2)

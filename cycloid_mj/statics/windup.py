@@ -89,8 +89,9 @@ class Windup:
 def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:
     """Split the compliance of the output [rad/(N m)] into shares of output pins, cam and mesh, keyed by `SERIES`.
 
-    The torsion of the structure is part of the share of the output pins. If the ring is the output, the disc rotates
-    against a fixed carrier.
+    If the carrier is the output, the cam has -`centre_lead`/(c (N - 1)), with the eccentricity c and N ring teeth, the
+    mesh has the rest of `disc_rate`, and the output pins have `output_rate` - `disc_rate`, including the torsion of the
+    structure. If the ring is the output, the disc rotates against a fixed carrier.
 
     Parameters
     ----------
@@ -186,17 +187,21 @@ def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated
     ]
 
 
-def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work [J] in output pins, cam and mesh as the load rises from a `low` to a `high` one.
+def _spring_work(reducer: Reducer, springs: Springs, low_loads: Loads, high_loads: Loads) -> dict[str, Array]:
+    """Compute the work [J] in output pins, cam and mesh as the load rises from a `low_loads` to a `high_loads` one.
 
     The keys are "output", "cam" and "mesh", and "bending" for the work that bends the output pins; each has the shape
     (m,) for m crank angles. The work is force increment times relative displacement, summed over the contact `springs`.
     """
-    displacement = high.departures - low.departures
+    displacement = high_loads.departures - low_loads.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
-    tooth_force, cam_force, pin_force = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
+    tooth_force, cam_force, pin_force = (
+        high_loads.teeth - low_loads.teeth,
+        high_loads.cam - low_loads.cam,
+        high_loads.output - low_loads.output,
+    )
     cam_displacement = displacement[:, :-1].reshape(*cam_force.shape[:2], 3)[..., :2]
-    phases, force_by_disc = np.array(reducer.phases), high.by_disc(pin_force)
+    phases, force_by_disc = np.array(reducer.phases), high_loads.by_disc(pin_force)
     flexibility = reducer.contacts.pin_flexibility * np.cos(np.subtract.outer(phases, phases))
     bending = np.einsum("mdp,de,mep->m", force_by_disc, flexibility, force_by_disc)
     return {

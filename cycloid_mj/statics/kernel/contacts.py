@@ -228,8 +228,8 @@ def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
 def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
     """Return the displacements of the disc of index `disc` and of the output, from all displacements `z` (u,) [m]."""
     index, radius = 3 * disc, springs.radius
-    rotation, output = z[index + 2], z[z.size - 1]
-    return _Pose(z[index], z[index + 1], rotation, output, rotation / radius, output / radius)
+    rotation, output_rotation = z[index + 2], z[z.size - 1]
+    return _Pose(z[index], z[index + 1], rotation, output_rotation, rotation / radius, output_rotation / radius)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -246,7 +246,7 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
     k, i
         Indices of the crank angle and of the contact.
     pose
-        Displacements of the contact's disc and of the output.
+        Displacements of the contact's disc and of the output, from `disc_pose`.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
@@ -307,19 +307,19 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     width, cosine, sine, rate = _curve_distance(
         trochoid, phase, curvature, curvature_rate, q, p, rotates, use_foot_point
     )
-    normal = (
+    normal_gradient = (
         cosine * q_x + sine * p_x,
         cosine * q_y + sine * p_y,
         cosine * q_t + sine * p_t,
         cosine * q_o + sine * p_o,
     )
-    tangential = (
+    tangential_gradient = (
         cosine * p_x - sine * q_x,
         cosine * p_y - sine * q_y,
         cosine * p_t - sine * q_t,
         cosine * p_o - sine * q_o,
     )
-    return Gap(clearance + width, normal, tangential, rate)
+    return Gap(clearance + width, normal_gradient, tangential_gradient, rate)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)

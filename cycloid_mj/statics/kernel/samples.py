@@ -247,15 +247,22 @@ def _write_sample_quantities(
         mean and range of the rotation of the output [rad]. 4 to 6: largest force on a tooth, an output pin and a cam
         [N]. 7: mean number of loaded teeth.
     """
-    angles, discs = len(z), cam_position.shape[1]
+    angles, disc_count = len(z), cam_position.shape[1]
     for is_output in range(2):
-        rotation_sum, smallest, largest = 0.0, math.inf, -math.inf
+        rotation_sum, min_rotation, max_rotation = 0.0, math.inf, -math.inf
         for k in range(angles):
-            rotation = z[k, 3 * discs] if is_output else 0.0
-            for disc in range(0 if is_output else discs):
-                rotation += z[k, 3 * disc + 2] / discs
-            rotation_sum, smallest, largest = rotation_sum + rotation, min(smallest, rotation), max(largest, rotation)
-        row[2 * is_output], row[2 * is_output + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
+            rotation = z[k, 3 * disc_count] if is_output else 0.0
+            for disc in range(0 if is_output else disc_count):
+                rotation += z[k, 3 * disc + 2] / disc_count
+            rotation_sum, min_rotation, max_rotation = (
+                rotation_sum + rotation,
+                min(min_rotation, rotation),
+                max(max_rotation, rotation),
+            )
+        row[2 * is_output], row[2 * is_output + 1] = (
+            rotation_sum / angles / radius,
+            (max_rotation - min_rotation) / radius,
+        )
     tooth_force = pin_force = cam_force = 0.0
     for k in range(angles):
         for i in range(force.shape[1]):
@@ -263,10 +270,10 @@ def _write_sample_quantities(
                 tooth_force = max(tooth_force, force[k, i])
             else:
                 pin_force = max(pin_force, force[k, i])
-        for disc in range(discs):
+        for disc in range(disc_count):
             x, y = z[k, 3 * disc] - cam_position[k, disc, 0], z[k, 3 * disc + 1] - cam_position[k, disc, 1]
             contact = cam_contact(x, y, cam_clearance)
-            # with contact on both sides, the larger force: `depth` is the difference, `both` the sum
+            # with contact on both sides, the larger force: `depth` is the difference, `total_depth` the sum
             cam_force = max(cam_force, 0.5 * cam_stiffness * (contact.depth + contact.total_depth))
     loaded_teeth = 0
     for k in range(angles):
