@@ -50,9 +50,16 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
     """
     z = np.asarray(depth, float)
     s = np.sqrt(1.0 + z**2)
-    lateral, normal = -(1.0 + 2.0 * z**2) / s + 2.0 * z, -1.0 / s
-    axial = poisson * (lateral + normal)
-    return np.sqrt(((lateral - axial) ** 2 + (axial - normal) ** 2 + (normal - lateral) ** 2) / 2.0)
+    lateral_stress, normal_stress = -(1.0 + 2.0 * z**2) / s + 2.0 * z, -1.0 / s
+    axial_stress = poisson * (lateral_stress + normal_stress)
+    return np.sqrt(
+        (
+            (lateral_stress - axial_stress) ** 2
+            + (axial_stress - normal_stress) ** 2
+            + (normal_stress - lateral_stress) ** 2
+        )
+        / 2.0
+    )
 
 
 @cache

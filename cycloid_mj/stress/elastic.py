@@ -272,11 +272,13 @@ def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | 
     return assembler.matrix(blocks)
 
 
-def _split(matrix: Any, springs: Any, fixed: Integers, free_unknowns: Integers) -> tuple[Any, Any]:
+def _split(matrix: Any, springs: Any, fixed_unknowns: Integers, free_unknowns: Integers) -> tuple[Any, Any]:
     """Return the rows of the fixed unknowns, and the lower triangle of the free unknowns; the full matrix is freed."""
     if springs is not None:
         matrix = matrix + springs
-    return matrix[fixed], sparse.triu(matrix, format="csr")[free_unknowns][:, free_unknowns].T  # it is symmetric
+    return matrix[fixed_unknowns], sparse.triu(matrix, format="csr")[free_unknowns][
+        :, free_unknowns
+    ].T  # it is symmetric
 
 
 def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:
@@ -360,7 +362,7 @@ def _require_supports(grid: Grid, motions: Array, fixed_unknowns: Integers, spri
         )
 
 
-def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
+def _factorise(lower_triangle: Any, part: str, dimension: int) -> Callable[[Array], Array]:
     """Factorise a symmetric stiffness matrix; return a function that solves for displacements under loads.
 
     The function maps loads on n unknowns in c load cases, (n, c) [N], to displacements (n, c) [m]. The method is LDL^T
@@ -368,7 +370,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
     Parameters
     ----------
-    lower
+    lower_triangle
         Lower triangle of the matrix, sparse, shape (n, n).
     part
         Name of the part, for errors.
@@ -384,20 +386,20 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
     try:
         ldlt = importlib.import_module("rslab").ldlt
     except (ImportError, OSError, AttributeError):  # it is young: a later release may have other names
-        return _factorise_by_superlu(lower, part)
+        return _factorise_by_superlu(lower_triangle, part)
     try:
-        solver = ldlt(lower, threads=1, ordering=ORDERING[dimension])
+        solver = ldlt(lower_triangle, threads=1, ordering=ORDERING[dimension])
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))
 
 
-def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
+def _factorise_by_superlu(lower_triangle: Any, part: str) -> Callable[[Array], Array]:
     """Factorise a symmetric stiffness matrix by SuperLU; return the function of `_factorise`.
 
-    `lower` is the lower triangle of the matrix, and `part` the name of the part for messages.
+    `lower_triangle` is the lower triangle of the matrix, and `part` the name of the part for messages.
     """
-    matrix = (lower + sparse.tril(lower, -1).T).tocsc()
+    matrix = (lower_triangle + sparse.tril(lower_triangle, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except (RuntimeError, MemoryError) as error:

@@ -110,12 +110,12 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
     vertex_index[vertex_index == 0] = np.arange(np.count_nonzero(vertex_index == 0))
     level, vertex = np.nonzero(vertex_index >= 0)
     points = np.column_stack([section.points[vertex], levels[level]])
-    tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, vertex_index)
+    tetrahedra, edge_ends, nodes, heights = _divide_prisms(section, is_filled, vertex_index)
     section_node, height_index = np.concatenate(nodes), np.concatenate(heights)
     z = np.interp(np.arange(2 * len(levels) - 1) / 2, np.arange(len(levels)), levels)
     middles = np.column_stack([section.points[section_node], z[height_index]])
     mesh, vertices, middle_nodes = quadratic_mesh(
-        points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part
+        points, np.concatenate(tetrahedra), np.concatenate(edge_ends), middles, section.part
     )
     node_index = np.full((len(z), len(section.points)), -1, np.int64)
     node_index[::2, : section.mesh.nvertices][level, vertex] = vertices
@@ -162,7 +162,7 @@ def _divide_prisms(section: Grid, is_filled: Mask, vertex_index: Integers) -> tu
         (e,), where level i has the index 2 i.
     """
     sorted_corners = np.argsort(section.mesh.t.T, axis=1)
-    tetrahedra, ends, nodes, heights = [], [], [], []
+    tetrahedra, edge_ends, nodes, heights = [], [], [], []
     for layer, filled_cells in enumerate(is_filled):
         cell_indices = np.flatnonzero(filled_cells)
         for corners in _TETRAHEDRA:
@@ -173,10 +173,10 @@ def _divide_prisms(section: Grid, is_filled: Mask, vertex_index: Integers) -> tu
             ]
             tetrahedra.append(np.column_stack(tetrahedron))
             for i, j in zip(*np.triu_indices(4, 1), strict=True):
-                ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
+                edge_ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
                 nodes.append(section.cells[cell_indices, _NODE[orders[i], orders[j]]])
                 heights.append(np.full(len(cell_indices), 2 * layer + corners[i][1] + corners[j][1]))
-    return tetrahedra, ends, nodes, heights
+    return tetrahedra, edge_ends, nodes, heights
 
 
 def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -> Any:

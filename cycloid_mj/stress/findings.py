@@ -131,14 +131,14 @@ class Refinement:
     @property
     def change(self) -> float:
         """Relative change of the largest stress from the study's grid to the finer one [1]; 0 without stress."""
-        coarse, finer = self.stress.max(axis=1)
-        return float(abs(coarse / finer - 1.0)) if finer > 0.0 else 0.0
+        coarse_peak, fine_peak = self.stress.max(axis=1)
+        return float(abs(coarse_peak / fine_peak - 1.0)) if fine_peak > 0.0 else 0.0
 
     @property
     def scatter(self) -> float:
         """Rms over the crank angles of the change from grid to grid, relative to the largest stress [1]."""
-        change, largest = rms(self.stress[0] - self.stress[1]), float(self.stress[1].max())
-        return change / largest if largest > 0.0 else 0.0
+        rms_change, largest_stress = rms(self.stress[0] - self.stress[1]), float(self.stress[1].max())
+        return rms_change / largest_stress if largest_stress > 0.0 else 0.0
 
     @property
     def is_converged(self) -> bool:
@@ -271,7 +271,7 @@ class PartFindings:
 
         ``bulk_mpa`` and ``contact_mpa`` are the largest stresses by crank angle ``angle_deg``. Lists of pairs, such as
         ``sensitivity``, become lists of dicts. ``range`` is the stress range for fatigue, or None. The other keys are
-        names of attributes.
+        names of attributes, such as ``governing_mpa``.
         """
         return {
             "part": self.part,

@@ -323,8 +323,11 @@ def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
 
 def find_edge_nodes(mesh: Any, edge_ends: Integers) -> Integers:
     """Return the middle node (...) of each edge of a quadratic mesh by its end vertices (..., 2); -1 for no edge."""
-    known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
-    key, wanted_key = known[0] * mesh.nvertices + known[1], np.sort(edge_ends, axis=-1) @ np.array([mesh.nvertices, 1])
+    known_edges = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
+    key, wanted_key = (
+        known_edges[0] * mesh.nvertices + known_edges[1],
+        np.sort(edge_ends, axis=-1) @ np.array([mesh.nvertices, 1]),
+    )
     order = np.argsort(key)
     candidates = order[np.searchsorted(key[order], wanted_key).clip(max=len(order) - 1)]
     return np.where(key[candidates] == wanted_key, mesh.nvertices + candidates, -1)

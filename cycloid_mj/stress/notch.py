@@ -170,12 +170,14 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     )
 
 
-def _notch_factors(radius: float, fillet: float, outer: float, seat: tuple[float, float] | None) -> tuple[float, float]:
+def _notch_factors(
+    radius: float, fillet: float, outer_radius: float, cam_factors: tuple[float, float] | None
+) -> tuple[float, float]:
     """Return the notch factors of a step of the shaft in bending and torsion, the larger of its shoulder and its seat.
 
-    At the step, the radius increases from `radius` to `outer` [m] with a `fillet` [m], inf without a shoulder. `seat`
-    are the notch factors of a cam that is joined to the shaft; None for a cam in one piece with it.
+    At the step, the radius increases from `radius` to `outer_radius` [m] with a `fillet` [m], inf without a shoulder.
+    `cam_factors` are the notch factors of a cam that is joined to the shaft; None for a cam in one piece with it.
     """
-    shoulder_factors = tuple(shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION))
-    bending, torsion = (max(factors) for factors in zip(shoulder_factors, seat or shoulder_factors, strict=True))
+    shoulder_factors = tuple(shoulder_factor(radius, fillet, outer_radius, terms) for terms in (BENDING, TORSION))
+    bending, torsion = (max(factors) for factors in zip(shoulder_factors, cam_factors or shoulder_factors, strict=True))
     return bending, torsion

@@ -133,5 +133,7 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
 
 
 def _along(points: Array, arc: Array, positions: Array) -> Array:
-    closed = np.vstack([points, points[:1]])
-    return np.column_stack([np.interp(positions, arc, closed[:, 0]), np.interp(positions, arc, closed[:, 1])])
+    closed_points = np.vstack([points, points[:1]])
+    return np.column_stack(
+        [np.interp(positions, arc, closed_points[:, 0]), np.interp(positions, arc, closed_points[:, 1])]
+    )

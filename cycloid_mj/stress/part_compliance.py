@@ -76,7 +76,7 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     from equilibrium.
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
-    far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
+    far_seat, near_seat = (0.5 * sum(seat_ends) for seat_ends in seats)
     disc_planes = np.array(reducer.design.gear.disc_planes)
     near_share = (disc_planes - far_seat) / (near_seat - far_seat)
     compliances = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - start)) for start, end in seats]

@@ -172,7 +172,7 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     return (_evaluation_operator(grid, scale) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
 
-def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
+def _fit_polynomials(points: Array, vertices: Array, table: Integers, is_used: Mask) -> tuple[Any, Array]:
     """Return the operator that fits a quadratic polynomial of t terms around each of v vertices, by least squares.
 
     The data of the fit are values at the quadrature points. The quadratic terms have a small ridge (Tikhonov
@@ -182,7 +182,7 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
     ----------
     points, vertices
         All p quadrature points in d dimensions (p, d) [m], and the vertices (v, d) [m].
-    table, used
+    table, is_used
         Indices of the w points around each vertex (v, w), padded to the same number w, and a mask that is false for
         padding.
 
@@ -192,14 +192,14 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
         Sparse operator (v t, p) from values at the points to coefficients, and the lengths [m] (v,) by which offsets
         from the vertices are divided in the polynomials.
     """
-    offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
+    offsets = np.where(is_used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     scale = np.linalg.norm(offsets, axis=2).max(axis=1)
-    terms = _terms(offsets / scale[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
+    terms = _terms(offsets / scale[:, np.newaxis, np.newaxis]) * is_used[..., np.newaxis]
     # regularisation of the quadratic terms, for vertices with few points, as at a surface
     ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * 0.03)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
-    used_entries = np.broadcast_to(used[:, np.newaxis], fit.shape)
-    starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))
+    used_entries = np.broadcast_to(is_used[:, np.newaxis], fit.shape)
+    starts = np.append(0, np.cumsum(np.repeat(is_used.sum(axis=1), fit.shape[1])))
     columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[used_entries]
     return sparse.csr_matrix((fit[used_entries], columns, starts), shape=(len(starts) - 1, len(points))), scale
 

@@ -80,8 +80,11 @@ def part_region(reducer: Reducer, part: str) -> Region:
             prism = solids[part].prisms[0]
             outline = Boundary(prism.outline, "outline", contact="line")
             contact_widths = _hole_contacts(reducer, len(prism.holes))
-            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, contact_widths, strict=True))
-            return Region(part, (outline, *holes), design.gear.face_width)
+            hole_boundaries = (
+                Boundary(hole_outline, "hole", kind)
+                for hole_outline, kind in zip(prism.holes, contact_widths, strict=True)
+            )
+            return Region(part, (outline, *hole_boundaries), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", is_fixed=design.housing.support == "rim")
@@ -96,18 +99,18 @@ def part_region(reducer: Reducer, part: str) -> Region:
     )
 
 
-def _hole_contacts(reducer: Reducer, holes: int) -> Iterator[ContactWidth]:
-    """Yield the kind of contact (wide, line or none) of each of the `holes` holes of a disc, in the order of its solid.
+def _hole_contacts(reducer: Reducer, hole_count: int) -> Iterator[ContactWidth]:
+    """Yield the kind of contact (wide, line or none) of `hole_count` holes of a disc, in the order of its solid.
 
     The bore has a wide contact, the holes of output pins have line contacts. In the disc of an RV reducer, the bores of
     the cranks have wide contacts; its middle hole, if any, and the windows for the posts have none.
     """
     if not isinstance(reducer, RvReducer):
         yield "wide"
-        yield from repeat("line", holes - 1)
+        yield from repeat("line", hole_count - 1)
         return
     cranks = reducer.cranks.count
-    yield from repeat("", holes - 2 * cranks)
+    yield from repeat("", hole_count - 2 * cranks)
     yield from repeat("wide", cranks)
     yield from repeat("", cranks)
 
@@ -141,6 +144,8 @@ def _output_region(reducer: Reducer, rim: Array) -> Region:
             "than output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
         )
     pin_outline = circle(output.root_radius, CHORD_ERROR)
-    pins = tuple(Boundary(pin_outline + centre, "inset", contact="line") for centre in output_centres(reducer))
+    pin_boundaries = tuple(
+        Boundary(pin_outline + centre, "inset", contact="line") for centre in output_centres(reducer)
+    )
     hub_boundary = Boundary(circle(hub_radius, CHORD_ERROR), "hole", is_fixed=True)
-    return Region("output", (Boundary(rim, "outline"), hub_boundary, *pins), output.disc_thickness)
+    return Region("output", (Boundary(rim, "outline"), hub_boundary, *pin_boundaries), output.disc_thickness)

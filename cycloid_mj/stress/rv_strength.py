@@ -86,8 +86,8 @@ class RvStrength:
     @property
     def largest(self) -> dict[str, float]:
         """Largest stress by part: crank, sun and planet [Pa]."""
-        crank = max(item.stress for item in self.shoulders)
-        return {CRANK: crank} | {item.part: item.stress for item in self.roots}
+        crank_stress = max(notch.stress for notch in self.shoulders)
+        return {CRANK: crank_stress} | {notch.part: notch.stress for notch in self.roots}
 
     def as_json(self) -> dict[str, Any]:
         """Convert the stresses to JSON values: ``crank`` (sections), ``needle_pressure_mpa`` and ``tooth_roots``."""
@@ -131,9 +131,11 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
     for station_index, station in enumerate(stations):
         stresses = 4.0 * bending[..., station_index], 2.0 * torsion[..., station_index]
         equivalent_stress = np.hypot(factors[0] * stresses[0], math.sqrt(3.0) * factors[1] * stresses[1])
-        angle_index, crank = np.unravel_index(int(np.argmax(equivalent_stress)), equivalent_stress.shape)
-        nominal_stresses = (float(component[angle_index, crank]) / (math.pi * radius**3) for component in stresses)
-        name = f"crank {crank + 1} at z = {1e3 * station:.1f} mm"
+        angle_index, crank_index = np.unravel_index(int(np.argmax(equivalent_stress)), equivalent_stress.shape)
+        nominal_stresses = (
+            float(component[angle_index, crank_index]) / (math.pi * radius**3) for component in stresses
+        )
+        name = f"crank {crank_index + 1} at z = {1e3 * station:.1f} mm"
         yield Notch(name, radius, fillet, float(angles[angle_index]), *nominal_stresses, *factors)
 
 
@@ -146,7 +148,7 @@ def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, statio
     """
     gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)
-    first_flange, second_flange = (sum(ends) / 2.0 for ends in layout.flanges)
+    first_flange, second_flange = (sum(flange_faces) / 2.0 for flange_faces in layout.flanges)
     on_discs = -np.moveaxis(loads.cranks, 1, 2)
     on_planets = planet_forces(reducer, springs, loads)[:, :, np.newaxis]
     forces, force_positions = np.concatenate([on_planets, on_discs], axis=2), np.append(layout.planet_middle, planes)

@@ -169,20 +169,24 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
         The loads do not act on the cams of the shaft.
     """
     shaft = shaft_dimensions(reducer)
-    cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
-    if loads.part != "shaft" or loads.labels != cams:
+    cam_names = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
+    if loads.part != "shaft" or loads.labels != cam_names:
         raise CycloidError(
-            f"the stress of the shaft needs loads on {', '.join(cams)}, but the loads given act on the {loads.part} at "
-            f"{', '.join(loads.labels) or 'no contact'}: pass the loads on the shaft"
+            f"the stress of the shaft needs loads on {', '.join(cam_names)}, but the loads given act on the "
+            f"{loads.part} at {', '.join(loads.labels) or 'no contact'}: pass the loads on the shaft"
         )
     material = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * material.youngs_modulus * shaft.radius)
     part = elastic.assemble_body(grid, material, springs=pads.springs, loose=(2, 5))
-    cam_loads = [unit_load for cam in range(len(cams)) for unit_load in _cam_unit_loads(grid, shaft, cam)]
+    cam_loads = [
+        unit_load for cam_index in range(len(cam_names)) for unit_load in _cam_unit_loads(grid, shaft, cam_index)
+    ]
     unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
     unit_loads, imbalances = elastic.equilibrate_loads(part, unit_loads)
     unit_displacements = elastic.displacements(part, unit_loads)
-    cam_factors = [factor for cam in range(len(cams)) for factor in _cam_load_factors(shaft, loads, cam)]
+    cam_factors = [
+        factor for cam_index in range(len(cam_names)) for factor in _cam_load_factors(shaft, loads, cam_index)
+    ]
     load_factors = np.vstack([*cam_factors, loads.torque, mass_coefficients(loads)])
     relief, compliance = _pad_compliance(part, pads)
     moment_weights = section_moment_weights(grid.points, shaft.stations)
@@ -315,8 +319,8 @@ def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
     return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < 0.05 * radius
 
 
-def _on_seat(shaft: ShaftDimensions, ends: tuple[float, float], x: Array) -> Mask:
-    return _on_cylinder(x, shaft.radius, AXIS) & (ends[0] < x[2]) & (x[2] < ends[1])
+def _on_seat(shaft: ShaftDimensions, seat_ends: tuple[float, float], x: Array) -> Mask:
+    return _on_cylinder(x, shaft.radius, AXIS) & (seat_ends[0] < x[2]) & (x[2] < seat_ends[1])
 
 
 def _on_cam(x: Array, shaft: ShaftDimensions, cam_index: int) -> Mask:

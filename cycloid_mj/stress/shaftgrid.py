@@ -47,7 +47,7 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
     angles = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / spacing)))
     x, y = shaft.radius * np.cos(angles), shaft.radius * np.sin(angles)
     z0, z1 = shaft.counterweight
-    faces = [face for cam in shaft.cams for face in cam]
+    faces = [face for cam_faces in shaft.cams for face in cam_faces]
     full_circles = faces if shaft.straddles else faces[:-1]
     half_circles = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     circle_points = [
@@ -76,8 +76,8 @@ def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
             counterweight = _cylinder(occ, axis, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
             occ.rotate([(3, counterweight)], 0, 0, 0, 0, 0, 1, np.pi)
             sections.append(counterweight)
-        for centre, cam in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
-            sections.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
+        for centre, cam_faces in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
+            sections.append(_cylinder(occ, centre, shaft.cam_radius, *cam_faces))
         sections += [
             _cylinder(occ, axis, shaft.radius, previous_cam[1], next_cam[0])
             for previous_cam, next_cam in pairwise(shaft.cams)
@@ -86,8 +86,8 @@ def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
             sections.append(_cylinder(occ, axis, shaft.radius, shaft.cams[-1][1], shaft.far_end))
         solids, _ = occ.fuse([(3, journal)], [(3, section) for section in sections])
         if shaft.bore_radius:
-            bore = _cylinder(occ, axis, shaft.bore_radius, shaft.end, shaft.far_end)
-            solids, _ = occ.cut(solids, [(3, bore)])
+            bore_cylinder = _cylinder(occ, axis, shaft.bore_radius, shaft.end, shaft.far_end)
+            solids, _ = occ.cut(solids, [(3, bore_cylinder)])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError(

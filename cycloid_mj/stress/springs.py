@@ -63,8 +63,8 @@ class PartSprings:
     @property
     def interval(self) -> tuple[float, float] | None:
         """Smallest and largest stiffness within the limits of the modulus [N m/rad]; None without limits."""
-        ends = [1.0 / sum(item.values()) for item in self.limits]
-        return (min(ends), max(ends)) if ends else None
+        stiffness_limits = [1.0 / sum(compliances.values()) for compliances in self.limits]
+        return (min(stiffness_limits), max(stiffness_limits)) if stiffness_limits else None
 
     @property
     def text(self) -> str:

@@ -63,15 +63,15 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
     RunError
         No static equilibrium exists.
     """
-    crank = np.ravel(np.asarray(angles, dtype=np.float64))
-    springs, loads = solve_over_turn(reducer, crank)
-    zeros = np.zeros_like(crank)
-    columns = {"crank_angle": springs.crank, "load_torque": np.full_like(crank, reducer.design.load.torque)}
+    crank_angles = np.ravel(np.asarray(angles, dtype=np.float64))
+    springs, loads = solve_over_turn(reducer, crank_angles)
+    zeros = np.zeros_like(crank_angles)
+    columns = {"crank_angle": springs.crank, "load_torque": np.full_like(crank_angles, reducer.design.load.torque)}
     columns |= dict(_disc_columns(reducer, springs)) | dict(_force_columns(reducer, springs, loads))
     if reducer.design.ring.has_pin_bodies:
         for pin in names.all_numbered(names.PIN, reducer.design.ring.teeth):
             columns |= dict.fromkeys((*names.planar_joints(pin), *names.planar_speeds(pin)), zeros)
-    return Turn(reducer, crank, columns, np.arange(crank.size), zeros, zeros)
+    return Turn(reducer, crank_angles, columns, np.arange(crank_angles.size), zeros, zeros)
 
 
 def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str, Array]]:
@@ -107,10 +107,12 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
         pin_loads += [_wrench_about(wrench, centre) for wrench in wrenches]
         for name, wrench in zip(names.all_numbered(base_name, design.ring.teeth), wrenches, strict=True):
             yield from _wrench_columns(names.of_disc(name, disc, springs.discs), wrench)
-        for crank, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
-            force = loads.cranks[:, disc, crank]
-            moment = cross(reducer.stage.crank_positions(springs.crank)[:, crank], force)
-            moment += springs.lever * bearing_friction[disc, crank, 3 * disc + 2] * loads.bearings[:, disc, crank]
+        for crank_index, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
+            force = loads.cranks[:, disc, crank_index]
+            moment = cross(reducer.stage.crank_positions(springs.crank)[:, crank_index], force)
+            moment += (
+                springs.lever * bearing_friction[disc, crank_index, 3 * disc + 2] * loads.bearings[:, disc, crank_index]
+            )
             yield from _wrench_columns(names.of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
     if design.ring.has_pin_bodies:
         for pin, name in enumerate(names.all_numbered(names.SOCKET, design.ring.teeth)):

@@ -93,8 +93,8 @@ class StudySettings:
         """Crank angles in the turn [rad], including that of the maps or zero, shape (angles,)."""
         step = 2.0 * math.pi / self.angles
         steps = (self.map_angle or 0.0) / step
-        first = step * (steps - math.floor(steps + 1e-9))
-        return first + step * np.arange(self.angles, dtype=np.float64)
+        first_angle = step * (steps - math.floor(steps + 1e-9))
+        return first_angle + step * np.arange(self.angles, dtype=np.float64)
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
         """Return the settings of a part's grid, refined by a factor on top."""
@@ -454,8 +454,8 @@ def _imbalance(stress: PartStress, grid: Grid) -> float:
     """Compute the larger imbalance [1]: of forces over the largest force, or of moments over its moment at the rim."""
     forces, moments = stress.imbalance[:, : grid.dimension], stress.imbalance[:, grid.dimension :]
     reach = float(np.linalg.norm(grid.points[:, :2], axis=1).max())
-    largest = max(float(np.abs(forces).max()), float(np.abs(moments).max()) / reach)
-    return largest / max(float(stress.load.max()), np.finfo(float).tiny)
+    largest_load = max(float(np.abs(forces).max()), float(np.abs(moments).max()) / reach)
+    return largest_load / max(float(stress.load.max()), np.finfo(float).tiny)
 
 
 def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:

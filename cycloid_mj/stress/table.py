@@ -30,8 +30,8 @@ def bulk_table(findings: StressFindings) -> list[list[str]]:
     """Return the bulk stress of each part as a row of text, in the columns `BULK_HEADER`.
 
     `findings` are the results of a stress study. "from" is the distance from narrow contacts at which the largest
-    stress reaches its plateau. "choice" is the relative change of the stress with this choice: its drop to twice the
-    distance, or its change with half or twice the distance from sharp corners, if that is larger. "safety" is the
+    stress reaches its plateau. "choice" is the relative change of the stress if this distance is doubled, or if the
+    distance from sharp corners is halved or doubled, whichever is largest. "safety" is the
     safety factor of the larger of bulk and fillet stress. "refined" is the relative change of the stress with a finer
     mesh.
     """

@@ -141,11 +141,13 @@ def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
 
 def _compared_values(reducer: Reducer) -> dict[str, Any]:
     """Collect the values of a design that must agree with those of a log, by ``table.key``."""
-    free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
-    tables = {table: value for table, value in reducer.design.model_dump(exclude=free).items() if value is not None}
-    single = {table: value for table, value in tables.items() if not isinstance(value, dict)}
+    free_keys = {"name": True} | {table: keys or True for table, keys in FREE.items()}
+    tables = {
+        table: value for table, value in reducer.design.model_dump(exclude=free_keys).items() if value is not None
+    }
+    top_level = {table: value for table, value in tables.items() if not isinstance(value, dict)}
     keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
-    return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
+    return top_level | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
 
 
 def _last_turn(run: Run, is_steady: Mask) -> npt.NDArray[np.intp]:
@@ -159,8 +161,8 @@ def _last_turn(run: Run, is_steady: Mask) -> npt.NDArray[np.intp]:
         The samples cover less than a turn.
     """
     steady_rows = np.flatnonzero(is_steady)
-    crank = run["crank_angle"][steady_rows]
-    rotation = abs(crank[-1] - crank[0]) if steady_rows.size else 0.0
+    crank_angle = run["crank_angle"][steady_rows]
+    rotation = abs(crank_angle[-1] - crank_angle[0]) if steady_rows.size else 0.0
     sample_step = rotation / max(steady_rows.size - 1, 1)
     if rotation < 2 * np.pi - sample_step:
         span = float(np.ptp(run.time[steady_rows])) if steady_rows.size else 0.0
@@ -168,7 +170,7 @@ def _last_turn(run: Run, is_steady: Mask) -> npt.NDArray[np.intp]:
             f"{run.label}: at constant speed and load the run lasts {span:.4g} s ({rotation / (2 * np.pi):.3f} crank "
             "turns), but at least one turn is needed. Simulate the design again with a longer --hold-s"
         )
-    return steady_rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
+    return steady_rows[np.abs(crank_angle[-1] - crank_angle) <= 2 * np.pi + 1e-9]
 
 
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
