@@ -185,8 +185,8 @@ def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Sol
     contact_timestep = timestep * BENCH.contact_step * (BENCH.friction_step if _max_friction_force(reducer) else 1.0)
     drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
     bench_tables = {"drive": drive, "load": Load(), "settings": Settings(timestep=contact_timestep)}
-    compiled = _build_mujoco_model(type(reducer)(reducer.design.model_copy(update=bench_tables)), timestep)
-    return simulate(reducer.design, compiled, locked_crank(compiled, driven_angle, torque))
+    compiled_model = _build_mujoco_model(type(reducer)(reducer.design.model_copy(update=bench_tables)), timestep)
+    return simulate(reducer.design, compiled_model, locked_crank(compiled_model, driven_angle, torque))
 
 
 def run_with_step_retries(

@@ -38,8 +38,8 @@ def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
     """
     design = reducer.design
     contact_torque = load + design.drag.output
-    crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
-    relative_loss = sum(IDEAL_LOSSES[reducer.LAYOUT](reducer.but(load={"torque": contact_torque}), crank))
+    crank_angles = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+    relative_loss = sum(IDEAL_LOSSES[reducer.LAYOUT](reducer.but(load={"torque": contact_torque}), crank_angles))
     input_torque = contact_torque / efficiency_of_output_member(reducer, 1.0 / (1.0 + relative_loss))
     return EfficiencyReference(load / (input_torque + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 

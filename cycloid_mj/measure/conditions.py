@@ -55,8 +55,11 @@ def require_motion(reducer: Reducer) -> None:
 def drag_assumption(reducer: Reducer) -> str:
     """Return a phrase on the assumed drag torques of seals and lubricant on the shafts [N m], or "neglected"."""
     if reducer.design.has_film:
-        crank, output = drag_torques(reducer)
-        return f"seals, and idle friction of the cams: {crank:.3g} N m on the crank, {output:.3g} N m on the output"
+        crank_drag, output_drag = drag_torques(reducer)
+        return (
+            f"seals, and idle friction of the cams: {crank_drag:.3g} N m on the crank, {output_drag:.3g} N m on the "
+            "output"
+        )
     drag_texts = [
         f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: neglected"
         for shaft, torque in (("crank", reducer.design.drag.crank), ("output", reducer.design.drag.output))

@@ -71,8 +71,8 @@ class ContactPressures:
     @property
     def peak_pressure(self) -> float:
         """The largest Hertz pressure [Pa]; NaN where its contact is conformal."""
-        worst = int(np.argmax(self.pressure))
-        return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
+        peak_index = int(np.argmax(self.pressure))
+        return float(self.pressure.flat[peak_index]) if self.holds.flat[peak_index] else math.nan
 
 
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:

@@ -113,9 +113,9 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
     """Return losses by kind of pair and by part, effects of assumed inputs, and break-away torques as JSON values.
 
     ``losses_by_pair`` are shares of the input power at each point of the map. ``sensitivity`` has the efficiencies at
-    both ends of the plausible range of each assumed input, such as a friction coefficient. The other keys are those of
-    `loss_breakdown.as_json`, `spread.as_json` and `BreakAway.as_json`. `published` are the torques of publications.
-    `efficiency_map` has the simulated operating points.
+    both ends of the plausible range of each assumed input, such as a friction coefficient. The other keys, such as
+    ``build_up``, are those of `loss_breakdown.as_json`, `spread.as_json` and `BreakAway.as_json`. `published` are the
+    torques of publications. `efficiency_map` has the simulated operating points.
     """
     rated_powers = efficiency_map.rated.powers
     return {
@@ -251,7 +251,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Return a table with a row per operating point: efficiency, error, and losses by kind of mating pair [%].
+    """Return a single table, with a row per operating point: efficiency, error, and losses by kind of mating pair [%].
 
     `efficiency_map` has the simulated operating points.
     """

@@ -144,8 +144,8 @@ def run_map(
         tasks[key] = partial(run_forward, massless(variant), rated_torque, speed, INPUTS.periods, solver)
     points = all_in_threads(tasks, progress)
     reported_variants = tasks.keys() - creep_variants(varied_inputs)
-    names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported_variants}
-    warn(design.name, joint_creep_warning({name: points[key].reducer for key, name in names.items()}))
+    run_names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported_variants}
+    warn(design.name, joint_creep_warning({name: points[key].reducer for key, name in run_names.items()}))
     efficiency_by_variant = {key: points[key].powers.efficiency for key in variants}
     return EfficiencyMap(
         grid=tuple(points.get(condition, points["rated"]) for condition in conditions),
@@ -167,7 +167,8 @@ def _named_tasks(
     """Return functions that simulate the runs outside of the efficiency map, by their key in `_RUNS`.
 
     The keys are "rated", "ideal" (without clearance), "unloaded", "backward" (the output drives against the rated
-    torque on the crank), "coasting" (the output drives a free crank) and "halved" (half the time step).
+    torque on the crank), "coasting" (the output drives a free crank, which has no torque) and "halved" (half the time
+    step).
 
     Parameters
     ----------

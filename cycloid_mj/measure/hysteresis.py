@@ -119,8 +119,10 @@ class HysteresisLoop:
     @property
     def backlash(self) -> float:
         """Turn between the unloading branches, extrapolated to zero torque [rad]."""
-        low, high = (float(np.polyval(self._fit_branch(*LOOP.unloading, False, side), 0.0)) for side in (-1, 1))
-        return high - low
+        low_angle, high_angle = (
+            float(np.polyval(self._fit_branch(*LOOP.unloading, False, side), 0.0)) for side in (-1, 1)
+        )
+        return high_angle - low_angle
 
     @property
     def offset(self) -> float:
@@ -136,8 +138,8 @@ class HysteresisLoop:
     def dissipation(self) -> float:
         """Work of friction and contacts over the period by the log [J]; stored energy is released at its end."""
         within = self.run.select(self.run.time >= LOOP.lead / (1.0 + LOOP.lead) * self.run.time[-1])
-        names = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
-        return float(np.trapezoid(within.block(names).sum(axis=1), within.time))
+        power_columns = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
+        return float(np.trapezoid(within.block(power_columns).sum(axis=1), within.time))
 
     @property
     def width(self) -> float:

@@ -126,13 +126,14 @@ def loads(
     drive = steady_design(reducer).but(load={"torque": torque})
     runs, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
     run, finer_run = _run_at_two_steps(drive, periods, solver, lambda finished, _: progress(finished, runs))
-    contacts, finer = contact_pressures(run, drive), contact_pressures(finer_run, drive)
+    contacts, half_step = contact_pressures(run, drive), contact_pressures(finer_run, drive)
     first_periods = contact_pressures(run.select(slice(0, len(finer_run))), drive)
     missed_peaks = {kind: _missed_peak(drive, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _find_capacities(drive, contacts, first_periods, finer, missed_peaks, solver)
+    capacities, capacity_details = _find_capacities(drive, contacts, first_periods, half_step, missed_peaks, solver)
     progress(runs, runs)
     by_kind = (
-        _kind_quantities(drive, contacts[key], first_periods[key], finer[key], missed_peaks[key]) for key in contacts
+        _kind_quantities(drive, contacts[key], first_periods[key], half_step[key], missed_peaks[key])
+        for key in contacts
     )
     # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
     by_disc = _disc_quantities(run, finer_run, drive) if reducer.design.gear.discs > 1 and "output" in contacts else ()
@@ -432,8 +433,8 @@ def _contact_name(reducer: Reducer, contacts: ContactPressures, index: int) -> s
     """Return the name of a contact by its index; contacts of a kind are ordered by disc, those of planets are not."""
     if contacts.kind == PLANET_MESH:
         return f"planet {index + 1}"
-    disc, number = divmod(index, contacts.vector.shape[1] // reducer.design.gear.discs)
-    return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
+    disc, pair_index = divmod(index, contacts.vector.shape[1] // reducer.design.gear.discs)
+    return f"number {pair_index + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
 def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
@@ -450,19 +451,24 @@ def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator
     yield Curve(panel, name, angle_deg, direction, _CRANK, "direction [deg]")
 
 
-def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
+def _ring_curves(tooth_contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Yield polar curves of the tooth forces on one disc at the instant of the largest force, simulated and ideal.
 
-    `teeth` are the contacts of disc and ring.
+    `tooth_contacts` are the contacts of disc and ring.
     """
-    pins, sample = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
-    ring_index = int(np.argmax(teeth.force[sample])) // pins  # of a disc or, of a ring in two halves, of one of them
-    columns, disc = slice(ring_index * pins, (ring_index + 1) * pins), ring_index // reducer.design.ring.halves
-    pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(pins + 1) / pins)
-    panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
+    pin_count, sample = reducer.design.ring.teeth, int(np.argmax(tooth_contacts.force.max(axis=1)))
+    ring_index = (
+        int(np.argmax(tooth_contacts.force[sample])) // pin_count
+    )  # of a disc or, of a ring in two halves, of one of them
+    columns, disc = (
+        slice(ring_index * pin_count, (ring_index + 1) * pin_count),
+        ring_index // reducer.design.ring.halves,
+    )
+    pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(pin_count + 1) / pin_count)
+    panel = f"{tooth_contacts.kind} at {math.degrees(tooth_contacts.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
-    ideal_force = _ideal_forces(reducer, teeth.angle)[sample, columns]
-    for name, forces in (("simulated", teeth.force[sample, columns]), ("ideal", ideal_force)):
+    ideal_force = _ideal_forces(reducer, tooth_contacts.angle)[sample, columns]
+    for name, forces in (("simulated", tooth_contacts.force[sample, columns]), ("ideal", ideal_force)):
         yield Curve(panel, name, pin_angle_deg, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 

@@ -116,8 +116,11 @@ def _extreme_quantities(
     first angle with other settings, for the numerical error. The keys and names of both quantities begin with `key` and
     `name`. `closed_form` approximates the values, for the sampling error.
     """
-    loop_values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
-    return list(extreme_quantities(key, name, loop_values, numerical, unit, closed_form=closed_form))
+    loop_values, numerical_error = (
+        [read_value(loop) for loop in loops],
+        _numerical_error(read_value, loops, check_loops),
+    )
+    return list(extreme_quantities(key, name, loop_values, numerical_error, unit, closed_form=closed_form))
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
@@ -224,10 +227,10 @@ def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     static_values = [ARCMINUTE / windup.compliance(windup.turn) for windup in data.statics]
     name = "torsional stiffness, 50 to 100 % of nominal torque"
     note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
-    service, ideal = (data.service, data.service_checks), (data.ideal, data.ideal_checks)
-    yield _mean_quantity("stiffness", name, stiffness, *service, unit, static_values, STATICS, note)
-    yield from _extreme_quantities("stiffness", "stiffness", stiffness, *service, unit)
-    yield _mean_quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, static_values, STATICS)
+    service_loops, ideal_loops = (data.service, data.service_checks), (data.ideal, data.ideal_checks)
+    yield _mean_quantity("stiffness", name, stiffness, *service_loops, unit, static_values, STATICS, note)
+    yield from _extreme_quantities("stiffness", "stiffness", stiffness, *service_loops, unit)
+    yield _mean_quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal_loops, unit, static_values, STATICS)
     part_names = _SPRING_PART_NAMES if data.reducer.design.structure == "springs" else _PART_NAMES
     for part in SERIES_BY_LAYOUT[data.reducer.LAYOUT]:
         static_compliances = [windup.series(data.reducer)[part] / ARCMINUTE for windup in data.statics]
@@ -237,7 +240,14 @@ def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
 
         name = f"compliance by the motion of {part_names[part]}, {IDEAL}"
         yield _mean_quantity(
-            f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", static_compliances, STATICS, MOTION_NOTE
+            f"compliance_{part}",
+            name,
+            compliance,
+            *ideal_loops,
+            "arcmin/(N m)",
+            static_compliances,
+            STATICS,
+            MOTION_NOTE,
         )
 
 
@@ -319,10 +329,10 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
     mark_turns = np.array([service_loop.read_middle(LOST_MOTION_SHARE, sign) for sign in (-1, 1)]) / ARCMINUTE
     curve_list.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, x_label, y_label, "points"))
     if data.statics:
-        shares = sorted(data.statics[0].turn)
-        turns = np.array([data.statics[0].turn[share] for share in shares]) / ARCMINUTE
+        torque_shares = sorted(data.statics[0].turn)
+        turns = np.array([data.statics[0].turn[share] for share in torque_shares]) / ARCMINUTE
         curve_list.append(
-            Curve(title, "statics", np.array(shares) * service_loop.rated, turns, x_label, y_label, "points")
+            Curve(title, "statics", np.array(torque_shares) * service_loop.rated, turns, x_label, y_label, "points")
         )
     crank_deg = np.degrees([loop.crank for loop in data.service])
     panels = {

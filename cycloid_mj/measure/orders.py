@@ -76,8 +76,8 @@ def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
 
     They are 1 and N/(N-1), or (N-1)/N and 1 where the ring turns.
     """
-    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
-    return Fraction(reducer.mesh_periods, teeth), Fraction(reducer.mesh_periods, lobes)
+    ring_teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
+    return Fraction(reducer.mesh_periods, ring_teeth), Fraction(reducer.mesh_periods, lobes)
 
 
 def output_order(reducer: Reducer) -> Fraction:
@@ -93,12 +93,12 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
 def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tuple[Cause, Cause]:
     """Return the causes of transmission error at the ring: properties that all teeth share, and errors of single teeth.
 
-    Each has the orders that it excites, in cycles per crank turn. `signal` is the rotation in which they appear;
-    `shared_properties` names, for the explanation, what all teeth have in common besides the clearance, such as
-    "profile".
+    Each has the orders that it excites, in cycles per crank turn. `signal` is the rotation in which they appear, such
+    as "gear" (the disc); `shared_properties` names, for the explanation, what all teeth have in common besides the
+    clearance, such as "profile".
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
-    teeth, ring_word = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
+    ring_teeth, ring_word = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
     factor_text = "" if mesh_base == 1 else f"{mesh_base} times "
     return (
         Cause(
@@ -106,19 +106,19 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
             "mesh",
             signal,
             float(mesh_base),
-            lambda multiple: multiple % teeth == 0,
-            f"{factor_text}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
-            f"{shared_properties})",
+            lambda multiple: multiple % ring_teeth == 0,
+            f"{factor_text}{ring_teeth}, {2 * ring_teeth}, ...: the mesh, and properties common to all teeth "
+            f"(clearance, {shared_properties})",
         ),
         Cause(
             "ring",
             f"ring {ring_word}",
             signal,
             float(mesh_base),
-            lambda multiple: multiple % teeth > 0,
-            f"{factor_text}whole orders except multiples of {teeth}: an error of one ring {ring_word[:-1]} acts as a "
-            f"function of its angle to the crank, so it causes all of them; an error with m periods around the ring "
-            f"causes m, {teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
+            lambda multiple: multiple % ring_teeth > 0,
+            f"{factor_text}whole orders except multiples of {ring_teeth}: an error of one ring {ring_word[:-1]} acts "
+            f"as a function of its angle to the crank, so it causes all of them; an error with m periods around the "
+            f"ring causes m, {ring_teeth} - m, {ring_teeth} + m, ...; the weight of the disc causes 1",
         ),
     )
 
@@ -129,7 +129,7 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
     Each has the orders that it excites, in cycles per crank turn.
     """
     design = reducer.design
-    lobes, pins, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
+    lobes, pin_count, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
     mesh_signal: Signal = "gear"
     holes_signal: Signal = "stage"
     if design.output.turns_ring:
@@ -142,7 +142,7 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "holes and output pins",
             holes_signal,
             float(holes_base),
-            lambda multiple: (multiple % pins > 0) & (multiple % lobes > 0),
+            lambda multiple: (multiple % pin_count > 0) & (multiple % lobes > 0),
             f"multiples of {holes_base}: number of turns of the eccentric relative to the disc in a crank turn, past "
             f"each hole, each output pin and each lobe",
         ),
@@ -151,9 +151,9 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "stage of output pins",
             holes_signal,
             float(holes_base),
-            lambda multiple: multiple % pins == 0,
-            f"multiples of {pins} x {holes_base} = {pins * float(holes_base):.4g}: properties common to all {pins} "
-            f"output pins (clearance, elasticity, the cam's eccentricity)",
+            lambda multiple: multiple % pin_count == 0,
+            f"multiples of {pin_count} x {holes_base} = {pin_count * float(holes_base):.4g}: properties common to "
+            f"all {pin_count} output pins (clearance, elasticity, the cam's eccentricity)",
         ),
     )
 
@@ -163,7 +163,11 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
 
     Each has the orders that it excites, in cycles per crank turn. All appear in the rotation of the output.
     """
-    lobes, teeth, (_, base) = reducer.design.lobes, cast(RvReducer, reducer).planet.planet_teeth, base_orders(reducer)
+    lobes, planet_teeth, (_, base) = (
+        reducer.design.lobes,
+        cast(RvReducer, reducer).planet.planet_teeth,
+        base_orders(reducer),
+    )
     runout_order = output_order(reducer)
     return (
         *_ring_causes(reducer, "output", "elasticity, modification"),
@@ -172,7 +176,7 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "cranks, bores and planets",
             "output",
             float(base),
-            lambda multiple: (multiple % teeth > 0) & (multiple % lobes > 0),
+            lambda multiple: (multiple % planet_teeth > 0) & (multiple % lobes > 0),
             f"multiples of {base}: number of turns of the cranks relative to disc and carrier in a crank turn; an "
             f"error of an eccentric, of a bore in disc or carrier, or the run-out of a planet causes {base}",
         ),
@@ -181,8 +185,9 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "planet mesh",
             "output",
             float(base),
-            lambda multiple: multiple % teeth == 0,
-            f"multiples of {teeth} x {base} = {teeth * float(base):.4g}: transmission error of the planets",
+            lambda multiple: multiple % planet_teeth == 0,
+            f"multiples of {planet_teeth} x {base} = {planet_teeth * float(base):.4g}: transmission error of the "
+            "planets",
         ),
         Cause(
             OUTPUT_RUNOUT,

@@ -34,10 +34,10 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     The coefficient is the same for all sliding pairs; the results are quantities with their errors.
     """
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
-    names = [f"friction at the paper's {paper.torque:g} N m, {paper.method}" for paper in published]
+    quantity_names = [f"friction at the paper's {paper.torque:g} N m, {paper.method}" for paper in published]
     return [
         Quantity(f"friction_for_paper_{paper.method}", name, paper.friction, "1", paper.error, note=note)
-        for paper, name in zip(published, names, strict=True)
+        for paper, name in zip(published, quantity_names, strict=True)
     ]
 
 

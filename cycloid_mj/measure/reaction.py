@@ -57,8 +57,8 @@ class Reaction:
 
 def body_masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank, and the loaded body under the name of the output."""
-    shaft, output = body_solids(reducer)[names.SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
-    return {names.GEAR: _gear(reducer.shape), names.SHAFT: mass_properties(shaft), names.OUTPUT: output}
+    shaft, turning_mass = body_solids(reducer)[names.SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
+    return {names.GEAR: _gear(reducer.shape), names.SHAFT: mass_properties(shaft), names.OUTPUT: turning_mass}
 
 
 @once
@@ -89,26 +89,32 @@ def unbalance(reducer: Reducer) -> Unbalance:
     shaft_mass, discs = mass_properties(shaft_solid), design.gear.discs
     centroid, z = shaft_mass.centroid[:2], shaft_mass.centroid[2]
     directions = unit(-np.array(reducer.phases))
-    static = gear_mass.mass * eccentricity * directions.sum(axis=0) + shaft_mass.mass * centroid
+    static_unbalance = gear_mass.mass * eccentricity * directions.sum(axis=0) + shaft_mass.mass * centroid
     couple = gear_mass.mass * eccentricity * np.array(design.gear.disc_planes) @ directions + (
         shaft_mass.mass * centroid * z - shaft_mass.inertia[:2, 2]
     )
     if discs > 1:
-        magnitude = float(np.hypot(*static))
+        magnitude = float(np.hypot(*static_unbalance))
         return Unbalance(magnitude, magnitude, float(np.hypot(*couple)))
-    cam = mass_properties(
+    cam_mass = mass_properties(
         Solid(names.CAM, (crank_segments(reducer)[names.CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
     )
-    return Unbalance(gear_mass.mass * eccentricity + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
+    return Unbalance(
+        gear_mass.mass * eccentricity + cam_mass.mass * cam_mass.centroid[1],
+        float(static_unbalance[1]),
+        float(couple[1]),
+    )
 
 
 def _rv_unbalance(reducer: RvReducer) -> Unbalance:
     """Compute static unbalance of discs [kg m] and couple unbalance of discs and cranks [kg m2] of an RV reducer."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
-    directions, crank = unit(-np.array(reducer.phases)), masses[names.CRANK]
+    directions, crank_mass = unit(-np.array(reducer.phases)), masses[names.CRANK]
     disc_unbalance = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
     couple = disc_unbalance * np.array(gear.disc_planes) @ directions
-    couple += reducer.cranks.count * (crank.mass * crank.centroid[:2] * crank.centroid[2] - crank.inertia[:2, 2])
+    couple += reducer.cranks.count * (
+        crank_mass.mass * crank_mass.centroid[:2] * crank_mass.centroid[2] - crank_mass.inertia[:2, 2]
+    )
     static_unbalance = float(np.hypot(*(disc_unbalance * directions.sum(axis=0))))
     return Unbalance(static_unbalance, static_unbalance, float(np.hypot(*couple)))
 

@@ -82,8 +82,8 @@ def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedFo
 
 def add_errors(*errors: float | None) -> float | None:
     """Add parts of an error; None where one of them is None."""
-    values = [error for error in errors if error is not None]
-    return sum(values) if len(values) == len(errors) else None
+    known_errors = [error for error in errors if error is not None]
+    return sum(known_errors) if len(known_errors) == len(errors) else None
 
 
 def _split_closed_form(
@@ -127,7 +127,7 @@ def extreme_quantities(
     values
         Values at some crank angles, shape (k,).
     numerical
-        Numerical error of a value.
+        Numerical error of a value, in the unit of the values.
     scale
         Size of `unit` in the unit of the values, by which values, errors and closed forms are divided.
     closed_form
@@ -136,9 +136,9 @@ def extreme_quantities(
         Closed form whose smallest and largest value are the references.
     """
     values = np.asarray(values, float)
-    for suffix, adjective, largest in (("min", "least", False), ("max", "largest", True)):
-        statistic = np.max if largest else np.min
-        error = add_errors(numerical, error_of_extreme(values, largest, closed_form))
+    for suffix, adjective, is_largest in (("min", "least", False), ("max", "largest", True)):
+        statistic = np.max if is_largest else np.min
+        error = add_errors(numerical, error_of_extreme(values, is_largest, closed_form))
         yield Quantity(
             f"{key}_{suffix}",
             f"{name}, {adjective} over the crank angle",

@@ -163,10 +163,10 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     curve_list = []
-    for pins in dict.fromkeys(run.pins for run in rate_by_variant):
-        rates = common_rates(rate_by_variant, pins)
+    for pin_support in dict.fromkeys(run.pins for run in rate_by_variant):
+        rates = common_rates(rate_by_variant, pin_support)
         coefficients = np.array(sorted(rates))
-        name = "internal gear" if pins == NO_PINS else f"{pins} pins"
+        name = "internal gear" if pin_support == NO_PINS else f"{pin_support} pins"
         curve_list.append(
             Curve(panel, name, coefficients, 1e2 * np.array([rates[coefficient] for coefficient in coefficients]), x, y)
         )
@@ -183,16 +183,16 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     `quick` or the friction law ``film``, variants of a single kind are omitted.
     """
     design = reducer.design
-    pins, pairs = pins_of(reducer), sliding_pairs(reducer)
-    variants = [FrictionVariant(pins, AS_DESIGNED, design.friction_of(design.tooth_pair), design)]
+    pin_support, pairs = pins_of(reducer), sliding_pairs(reducer)
+    variants = [FrictionVariant(pin_support, AS_DESIGNED, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick and not design.has_film:
         pair_frictions = [(pair, coefficient) for pair in pairs for coefficient in FRICTION_TABLE.sliding]
         variants += [
-            FrictionVariant(pins, *pair_friction, reducer.but(**_coefficients(dict([pair_friction]))).design)
+            FrictionVariant(pin_support, *pair_friction, reducer.but(**_coefficients(dict([pair_friction]))).design)
             for pair_friction in pair_frictions
         ]
     return variants + [
-        FrictionVariant(pins, ALL_PAIRS, coefficient, with_common_friction(reducer, coefficient).design)
+        FrictionVariant(pin_support, ALL_PAIRS, coefficient, with_common_friction(reducer, coefficient).design)
         for coefficient in FRICTION_TABLE.common
     ]
 
@@ -202,13 +202,13 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
 
     Cam or output bearings that slide in the design have no variants. The bearings of an RV reducer remain rolling.
     """
-    variants, pins = [], pins_of(reducer)
+    variants, pin_support = [], pins_of(reducer)
     if isinstance(reducer, RvReducer):
         rolling_designs = {
             coefficient: reducer.but(friction={"cam_rolling": coefficient}).design
             for coefficient in FRICTION_TABLE.rolling
         }
-        return [FrictionVariant(pins, f"{CRANK_BEARING}, rolling", *row) for row in rolling_designs.items()]
+        return [FrictionVariant(pin_support, f"{CRANK_BEARING}, rolling", *row) for row in rolling_designs.items()]
     plain_changes: dict[str, dict[str, Any]] = {
         "cam": {"gear": {"bearing": "plain"}},
         "output": {"output": {"rollers": False}},
@@ -216,9 +216,11 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
     for pair in [pair for pair in plain_changes if pair not in sliding_pairs(reducer)]:
         for coefficient in FRICTION_TABLE.rolling:
             rolling_reducer = reducer.but(friction={f"{pair}_rolling": coefficient})
-            variants.append(FrictionVariant(pins, f"{pair}, rolling", coefficient, rolling_reducer.design))
+            variants.append(FrictionVariant(pin_support, f"{pair}, rolling", coefficient, rolling_reducer.design))
         sliding_reducer = reducer.but(**plain_changes[pair])
         variants.append(
-            FrictionVariant(pins, f"{pair}, sliding", sliding_reducer.design.friction_of(pair), sliding_reducer.design)
+            FrictionVariant(
+                pin_support, f"{pair}, sliding", sliding_reducer.design.friction_of(pair), sliding_reducer.design
+            )
         )
     return variants

@@ -76,7 +76,10 @@ class Input:
 
     def between(self, share: float) -> dict[str, float]:
         """Return the values [SI] by their keys, at a share between 0 and 1 of the range of their logarithms."""
-        return {key: low ** (1.0 - share) * self.high_values[key] ** share for key, low in self.low_values.items()}
+        return {
+            key: low_value ** (1.0 - share) * self.high_values[key] ** share
+            for key, low_value in self.low_values.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -199,15 +202,18 @@ def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Tabl
 
 def spread_text(design_rate: float, effects: Sequence[InputEffect]) -> str:
     """Describe the range of a rate over its inputs."""
-    low, high = spread(design_rate, effects)
+    low_rate, high_rate = spread(design_rate, effects)
     widest = max(effects, key=lambda effect: abs(effect.value_high - effect.value_low)).input.name
-    return f"range over its assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %, widest for {widest}"
+    return (
+        f"range over its assumed inputs, one at a time: {1e2 * low_rate:.1f} to {1e2 * high_rate:.1f} %, "
+        f"widest for {widest}"
+    )
 
 
 def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, float]:
     """Compute the smallest and the largest rate over all inputs [1]."""
-    values = [design_rate, *(value for effect in effects for value in (effect.value_low, effect.value_high))]
-    return min(values), max(values)
+    rates = [design_rate, *(rate for effect in effects for rate in (effect.value_low, effect.value_high))]
+    return min(rates), max(rates)
 
 
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
@@ -244,8 +250,10 @@ def _equal_input(
     scale
         Factor from SI to `unit`.
     """
-    low, high = (dict.fromkeys(keys, limit) for limit in limits)
-    return _input_with_designs(reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low, high)
+    low_values, high_values = (dict.fromkeys(keys, limit) for limit in limits)
+    return _input_with_designs(
+        reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low_values, high_values
+    )
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
@@ -254,23 +262,31 @@ def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors:
     `factors` are the factors on the design's clearances at the lower and the upper end of the range; each clearance is
     limited to `INPUTS.max_clearance`. As ends of the range, tables state the sum of these clearances [um].
     """
-    low, high = (
+    low_values, high_values = (
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}
         for factor in factors
     )
-    low_total, high_total = (sum(1e6 * clearance for clearance in clearances.values()) for clearances in (low, high))
-    return _input_with_designs(reducer, name, "um", (low_total, high_total), "clearance", low, high)
+    low_total, high_total = (
+        sum(1e6 * clearance for clearance in clearances.values()) for clearances in (low_values, high_values)
+    )
+    return _input_with_designs(reducer, name, "um", (low_total, high_total), "clearance", low_values, high_values)
 
 
 Values = Mapping[str, float]
 
 
 def _input_with_designs(
-    reducer: Reducer, name: str, unit: str, limits: tuple[float, float], table: str, low: Values, high: Values
+    reducer: Reducer,
+    name: str,
+    unit: str,
+    limits: tuple[float, float],
+    table: str,
+    low_values: Values,
+    high_values: Values,
 ) -> Input:
-    """Return an input with the designs at its ends; `low` and `high` are the values of the table's keys [SI]."""
-    designs = [reducer.but(**{table: values}).design for values in (low, high)]
-    return Input(name, unit, *limits, table, low, high, *designs)
+    """Return an input with the designs at its ends, whose table has `low_values` and `high_values` by key [SI]."""
+    designs = [reducer.but(**{table: values}).design for values in (low_values, high_values)]
+    return Input(name, unit, *limits, table, low_values, high_values, *designs)
 
 
 def _bearing_input(reducer: Reducer, kind: str, has_rollers: bool, rolling_range: tuple[float, float]) -> Input:

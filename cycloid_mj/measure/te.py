@@ -196,10 +196,11 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     crank turns of a run.
     """
     design = reducer.design
-    ring, holes = base_orders(reducer)
+    ring_base, holes_base = base_orders(reducer)
     separation_sentence = (
         f"orders are cycles in a crank turn; fewer than {design.lobes} turns cannot separate whole orders from "
-        f"multiples of {holes if ring == 1 else ring} in one signal{SEPARATION[reducer.LAYOUT](ring == 1)}"
+        f"multiples of {holes_base if ring_base == 1 else ring_base} in one signal"
+        f"{SEPARATION[reducer.LAYOUT](ring_base == 1)}"
     )
     return (
         f"shafts run in rigid bearings {_runout_text(reducer)}; {structure_text(reducer)}",

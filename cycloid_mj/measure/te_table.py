@@ -152,17 +152,19 @@ def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any
 
 def evaluated_conditions(traces: Traces) -> list[TraceCondition]:
     """List the cases whose orders are evaluated: forward, at the first pace that was run."""
-    first = next(iter(traces)).pace
-    return [condition for condition in traces if condition.direction == "forward" and condition.pace == first]
+    first_pace = next(iter(traces)).pace
+    return [condition for condition in traces if condition.direction == "forward" and condition.pace == first_pace]
 
 
-def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics) -> Iterator[Quantity]:
+def _shift_quantities(
+    reducer: Reducer, traces: Traces, finer_traces: FinerTraces, statics: Statics
+) -> Iterator[Quantity]:
     """Yield the backlash and the elastic wind-up of disc and output [arcsec], as differences of mean errors.
 
     The backlash is the difference between both directions without load, the wind-up that between the loads. The order
     of subtraction makes both positive, whether the output is a carrier, which turns against the crank, or a ring, which
     turns with the crank. `traces` and `statics` are the errors by simulation and by statics, for each condition (load,
-    direction, speed). `finer` are the errors of runs with half the time step, for the numerical error.
+    direction, speed). `finer_traces` are the errors of runs with half the time step, for the numerical error.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {
@@ -193,10 +195,10 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
             )
             error = (
                 sum(
-                    _mean_change(traces, finer, by_load_and_direction[load_case], shaft)
+                    _mean_change(traces, finer_traces, by_load_and_direction[load_case], shaft)
                     for load_case in (minuend, subtrahend)
                 )
-                if finer
+                if finer_traces
                 else None
             )
             name = f"mean of the {shaft}, {shift_name}"
@@ -204,15 +206,15 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
 
 
 def _cause_quantities(
-    reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics, turns: int
+    reducer: Reducer, traces: Traces, finer_traces: FinerTraces, statics: Statics, turns: int
 ) -> Iterator[Quantity]:
     """Yield the rms transmission error [arcsec] in the orders of each cause, such as the meshing of teeth.
 
     There is one quantity for each load, from forward runs at one speed, and each cause. The run-out of the output is
     left out if the runs are shorter than a turn of the output. The note of a quantity has the strongest
     order (cycles per crank turn). `traces` and `statics` are the simulated and static errors by condition (load,
-    direction, speed) over crank `turns`; the static value is the reference. `finer` are runs with half the time step,
-    from which the numerical error follows; without them it is None.
+    direction, speed) over crank `turns`; the static value is the reference. `finer_traces` are runs with half the
+    time step, from which the numerical error follows; without them it is None.
     """
     turns_text = f"{turns} of {reducer.design.lobes} crank turns"
     neighbour_note = (
@@ -235,9 +237,9 @@ def _cause_quantities(
                 value=cause_of_orders.rms(simulated_orders),
                 unit="arcsec",
                 error=rms_about_mean(
-                    np.subtract(*_overlapping_errors(traces, finer, condition, cause_of_orders.signal))
+                    np.subtract(*_overlapping_errors(traces, finer_traces, condition, cause_of_orders.signal))
                 )
-                if finer
+                if finer_traces
                 else None,
                 reference=cause_of_orders.rms(static_orders),
                 source=STATICS,
@@ -322,14 +324,14 @@ def _step_error(
 
 
 def _mean_change(traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str) -> float:
-    coarse, fine = _overlapping_errors(traces, finer_traces, condition, signal)
-    return abs(float(np.mean(fine - coarse)))
+    coarse_errors, fine_errors = _overlapping_errors(traces, finer_traces, condition, signal)
+    return abs(float(np.mean(fine_errors - coarse_errors)))
 
 
 def _overlapping_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
-    """Return the transmission errors of a forward run with full and half time step, at their common crank angles.
+    """Return the transmission errors of a forward run and of its repetition with half the time step.
 
     The run has the load and the speed ("pace") of `condition`. `traces` are the transmission errors by condition, and
     `finer_traces` those with half the time step by load and pace, for the first part of the run. `signal` is an
@@ -338,7 +340,7 @@ def _overlapping_errors(
     Returns
     -------
     tuple of Array
-        Errors with the full and with half the time step [arcsec], shape (n,) each.
+        Errors with the full and with half the time step [arcsec], at their n common crank angles, shape (n,) each.
     """
     fine_trace = finer_traces[condition.load, condition.pace]
     coarse_trace = traces[

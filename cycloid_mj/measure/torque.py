@@ -135,11 +135,11 @@ def _name_runs(
     published
         Published torques from `explain_published`; the runs at their friction coefficients are included.
     """
-    names = _RUNS | {variant: variant.name for variant in variants}
-    names |= {end_design: name for entry in varied_inputs for end_design, name in entry.names.items()}
+    run_names = _RUNS | {variant: variant.name for variant in variants}
+    run_names |= {end_design: name for entry in varied_inputs for end_design, name in entry.names.items()}
     excluded_keys = spread.creep_variants(varied_inputs)
     drives = {
-        names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in excluded_keys
+        run_names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in excluded_keys
     }
     coefficients = [entry.friction for entry in published if entry.error is not None]
     return drives | {
@@ -193,8 +193,10 @@ def _quiet_rated_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedR
 def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
     """Run the test under the nominal torque over so many mesh periods."""
     run = run_brake_test(reducer, reducer.design.drive.torque, periods, solver)
-    output, driven = (abs(float(np.mean(run[name]))) for name in ("load_torque", f"{run.driven_shaft}_torque"))
-    return BrakedRun(run, mean_powers(run), output, driven)
+    output_torque, driven_torque = (
+        abs(float(np.mean(run[name]))) for name in ("load_torque", f"{run.driven_shaft}_torque")
+    )
+    return BrakedRun(run, mean_powers(run), output_torque, driven_torque)
 
 
 def constant_speed_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:

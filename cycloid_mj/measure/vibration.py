@@ -153,10 +153,10 @@ def _level_quantities(
 ) -> Iterator[Quantity]:
     """Yield the rms of each acceleration and force at the design's speed, and further quantities of the vibration.
 
-    The rms levels include frequencies up to half of `VibrationRun.rate`. The further quantities are the share of a
-    signal's power above that frequency, for signals with a spectrum, the acceleration of the disc's centre, and the
-    mean force on the housing. The rms force on the housing has a reference: the force by the momentum balance of disc
-    and shaft.
+    The rms levels include frequencies up to half of `VibrationRun.rate`. The further quantities are the mean force on
+    the housing, the rms acceleration of the disc's centre including that of the ideal motion, and, for the signals of
+    `_spectrum_keys`, the share of their power above that frequency [%]. The rms force on the housing has a reference:
+    the force by the momentum balance of disc and shaft.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Cu
 
 
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the amplitude spectra of accelerations and forces at the design's speed, over the frequency [Hz].
+    """Yield the amplitude spectra of accelerations [m/s2, rad/s2] and forces [N] over the frequency [Hz].
 
     The amplitude of a vector is the root of the sum of the squared amplitudes of its components. Runs that are shorter
     than the window of the spectrum have none.
