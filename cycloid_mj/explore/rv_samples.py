@@ -151,10 +151,8 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
 
     Parameters
     ----------
-    reducer
-        Nominal reducer.
-    samples, seed, worst
-        Number of samples, random seed, and number of samples of the largest transmission error to return as designs.
+    reducer, samples, seed, worst
+        Nominal reducer, number of samples, random seed, and number of designs to return, those of the largest error.
 
     Raises
     ------

@@ -67,10 +67,8 @@ def rated_torque(
 
     Parameters
     ----------
-    reducer
-        The reducer of a valid design.
-    speed, life
-        Speed of the crank [rad/s], and life [h].
+    reducer, speed, life
+        The reducer of a valid design, speed of the crank [rad/s], and life [h].
     limits_torque
         Function from the key of an item to whether it limits the torque; by default all items do, except for wear and
         those that limit the momentary torque (`is_stop`).

@@ -59,17 +59,14 @@ def efficiency(
     ----------
     design
         A design, or the name of a preset or a file.
-    loads
-        Output torques of the map [N m], above 0; by default the rated torque times each of `MAP.torques`.
-    speeds
-        Speeds of crank or sun in the map [rad/s], above 0; by default the design's speed times each of `MAP.speeds`.
+    loads, speeds
+        Output torques [N m] and speeds of crank or sun [rad/s] of the map, above 0; by default the rated torque and the
+        design's speed times each of `MAP.torques` and `MAP.speeds`.
     quick
-        Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
-        rated point.
-    progress, solver
-        Called after each run with the numbers of finished and of all runs; solver of the runs.
-    published
-        Published torques of this design, for comparison.
+        Whether to average over a shorter time, without half the time step, by default only at the rated point.
+    progress, published, solver
+        Called after each run with the numbers of finished and of all runs; published torques of this design, for
+        comparison; solver of the runs.
 
     Returns
     -------

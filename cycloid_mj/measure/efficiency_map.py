@@ -112,14 +112,10 @@ def run_map(
 
     Parameters
     ----------
-    reducer
-        The drive.
-    torques, speeds
-        Torques on the output [N m] and crank speeds [rad/s] of the map.
-    periods
-        Smallest number of mesh periods of each run.
-    check_step
-        Whether to run the rated point with half the time step.
+    reducer, torques, speeds
+        The drive; torques on the output [N m] and crank speeds [rad/s] of the map.
+    periods, check_step
+        Smallest number of mesh periods of each run; whether to run the rated point with half the time step.
     progress, solver
         Called with the numbers of finished and of all runs; solver of the runs.
     """

@@ -70,10 +70,9 @@ def vibration(
     speeds
         Speeds of crank or sun besides the design's [rad/s]; by default the design's speed times each of
         `SPEED_FRACTIONS`.
-    turns
-        Crank turns of each run after it has settled.
-    quick
-        Whether to measure only the design's speed, and skip the runs with half the time step.
+    turns, quick
+        Crank turns of each run after it has settled; whether to measure only the design's speed, and skip the runs with
+        half the time step.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 
