@@ -177,11 +177,11 @@ def solve_samples(
     solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)
     for torque, torque_rows in zip(torques, sample_figures, strict=True):
         figures = SampleFigures(*torque_rows[:, :-1].T.copy())
-        output = {"output_mean": output_share * figures.output_mean + twist * torque}
+        output_mean = {"output_mean": output_share * figures.output_mean + twist * torque}
         # with the friction force of a plain cam, as in `Loads`
         cam_force = figures.cam / springs.cam_normal_share
         solved_batches.append(
-            replace(figures, cam=cam_force, **output, output_range=output_share * figures.output_range)
+            replace(figures, cam=cam_force, **output_mean, output_range=output_share * figures.output_range)
         )
     return solved_batches
 
@@ -269,19 +269,14 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         cosine and sine of the crank angle. `waves` (k, n, 1 + 2 orders) has in its first column the change of the gaps
         by `common_waves` [m], and in the others the derivative of the gaps by each cosine and each sine amplitude [1].
     """
-    contacts, tooth_count, gear, disc_count = (
-        springs.contacts,
-        springs.teeth,
-        reducer.tooth_profile,
-        reducer.design.gear.discs,
-    )
+    contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)
     disc_axes = (
         np.stack([np.cos(disc_rotation), np.sin(disc_rotation)], axis=-1),
         np.stack([-np.sin(disc_rotation), np.cos(disc_rotation)], axis=-1),
     )
-    outward_direction = np.tile(profile.unit(profile.pin_angles(gear)), (disc_count * reducer.design.ring.halves, 1))
-    rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :tooth_count, 2])
+    outward_direction = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
+    rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
         """Compute the derivatives of distances or shifts of n contacts by four manufacturing errors, shape (k, n, 4).
@@ -292,11 +287,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))
-        effects[:, :tooth_count, :2] = -gradients[:, :tooth_count, :2]
+        effects[:, :teeth, :2] = -gradients[:, :teeth, :2]
         for axis in (0, 1):
-            effects[:, tooth_count:, axis] = np.einsum("kni,ki->kn", gradients[:, tooth_count:, :2], disc_axes[axis])
-        effects[:, :tooth_count, 2] = np.einsum("kni,ni->kn", gradients[:, :tooth_count, :2], outward_direction)
-        effects[:, :tooth_count, 3] = gradients[:, :tooth_count, 2] * rotation_sign * contacts.radius
+            effects[:, teeth:, axis] = np.einsum("kni,ki->kn", gradients[:, teeth:, :2], disc_axes[axis])
+        effects[:, :teeth, 2] = np.einsum("kni,ni->kn", gradients[:, :teeth, :2], outward_direction)
+        effects[:, :teeth, 3] = gradients[:, :teeth, 2] * rotation_sign * contacts.radius
         return effects
 
     unit_reducer = reducer.but(errors={"eccentricity": 1e-6})

@@ -371,12 +371,12 @@ def _curve_distance(
         return q, 1.0, 0.0, 0.0
     inverse = 1.0 / distance_ratio
     # (distance_ratio - 1) / curvature without cancellation, and the third-order term
-    radial = (
+    circle_distance = (
         q + tangent_component * p / (distance_ratio + normal_component)
         if normal_component > 0.0
         else (distance_ratio - 1.0) / curvature
     )
-    distance = radial + curvature_rate * p * p * p / 6.0
+    distance = circle_distance + curvature_rate * p * p * p / 6.0
     return (
         distance,
         normal_component * inverse,

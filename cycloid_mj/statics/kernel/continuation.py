@@ -298,15 +298,15 @@ def _add_clearance_rate(
                 system.row[i, CONTACT_STIFFNESS] * springs.clearance[i] * (system.row[i, component] + friction_rate)
             )
     for disc in range(springs.cam_position.shape[1]):
-        cam = cam_at(scaled_springs, k, disc, z)
-        if cam.total_depth > 0.0 and springs.cam_clearance > 0.0:
+        contact = cam_at(scaled_springs, k, disc, z)
+        if contact.total_depth > 0.0 and springs.cam_clearance > 0.0:
             force_rate = springs.cam_stiffness * springs.cam_clearance
-            rate[3 * disc] += force_rate * cam.u
-            rate[3 * disc + 1] += force_rate * cam.v
+            rate[3 * disc] += force_rate * contact.u
+            rate[3 * disc + 1] += force_rate * contact.v
             if has_friction:
                 lateral_rate = friction * springs.cam_lateral * force_rate
-                rate[3 * disc] -= lateral_rate * cam.v
-                rate[3 * disc + 1] += lateral_rate * cam.u
+                rate[3 * disc] -= lateral_rate * contact.v
+                rate[3 * disc + 1] += lateral_rate * contact.u
                 rate[3 * disc + 2] -= friction * springs.cam_friction_per_force * force_rate
 
 

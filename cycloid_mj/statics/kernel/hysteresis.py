@@ -176,9 +176,9 @@ def follow_path(
         has no equilibrium, it is the residual of this step divided by the largest load of the path.
     """
     element_count, unknowns = friction_elements.stiffness.size, path.shape[1]
-    old, new = _allocate_state(element_count, unknowns), _allocate_state(element_count, unknowns)
+    old_state, new_state = _allocate_state(element_count, unknowns), _allocate_state(element_count, unknowns)
     increment = _allocate_increment(element_count, unknowns)
-    return _follow_path(springs, friction_elements, path, max_motion, positions, z, increment, old, new)
+    return _follow_path(springs, friction_elements, path, max_motion, positions, z, increment, old_state, new_state)
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
@@ -272,10 +272,10 @@ def assemble_after(
     the energy, and the tangent is symmetric.
     """
     unknown_count, element_count = z.size, friction_elements.stiffness.size
-    rest, old, new = (_allocate_state(element_count, unknown_count) for _ in range(3))
+    rest_state, old_state, new_state = (_allocate_state(element_count, unknown_count) for _ in range(3))
     increment = _allocate_increment(element_count, unknown_count)
-    old.z[:], new.z[:], increment.load[:] = middle, z, load
-    energy = _assemble_two_steps(springs, friction_elements, fixed_limits, increment, rest, old, new)
+    old_state.z[:], new_state.z[:], increment.load[:] = middle, z, load
+    energy = _assemble_two_steps(springs, friction_elements, fixed_limits, increment, rest_state, old_state, new_state)
     return State(energy, increment.residual, increment.tangent)
 
 
@@ -285,22 +285,22 @@ def _assemble_two_steps(
     friction_elements: FrictionElements,
     fixed_limits: bool,
     increment: _Increment,
-    rest: _ElastoplasticState,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    rest_state: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
-    """Assemble a load step from rest to the displacements of `old`, then one to those of `new`; return its energy.
+    """Assemble load steps from rest to the displacements of `old_state`, then to `new_state`; return the last energy.
 
     Contacts are `springs` without friction; `friction_elements` slip at a limit. Returned energy [J], and residual and
-    tangent in `increment`, refer to the second step, under ``increment.load``. `rest` is the unloaded state before both
-    steps. With `fixed_limits`, the friction limits follow from the normal forces of `old`.
+    tangent in `increment`, refer to the second step, under ``increment.load``. `rest_state` is the unloaded state
+    before both steps. With `fixed_limits`, the friction limits follow from the normal forces of `old_state`.
     """
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
-    _update_slip(springs, friction_elements, rest)
-    _assemble_step(springs, friction_elements, FALSE, increment, rest, old)
-    _update_slip(springs, friction_elements, old)
-    _update_limits(friction_elements, increment, old, 1.0)
-    return _assemble_step(springs, friction_elements, fixed_limits, increment, old, new)[1]
+    _update_slip(springs, friction_elements, rest_state)
+    _assemble_step(springs, friction_elements, FALSE, increment, rest_state, old_state)
+    _update_slip(springs, friction_elements, old_state)
+    _update_limits(friction_elements, increment, old_state, 1.0)
+    return _assemble_step(springs, friction_elements, fixed_limits, increment, old_state, new_state)[1]
 
 
 def _allocate_increment(element_count: int, unknown_count: int) -> _Increment:
@@ -345,9 +345,9 @@ def _update_slip(springs: KernelSprings, friction_elements: FrictionElements, st
     for i in range(len(state.slip)):
         copy(friction_elements.slip[i], state.slip[i])
     for disc in range(springs.cam_position.shape[1]):
-        cam, element = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
-        state.slip[element, 3 * disc] -= cam.v
-        state.slip[element, 3 * disc + 1] += cam.u
+        contact, element = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
+        state.slip[element, 3 * disc] -= contact.v
+        state.slip[element, 3 * disc + 1] += contact.u
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -356,25 +356,25 @@ def _solve_newton(
     friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Solve for the equilibrium after a load step by Newton's method with the consistent tangent.
 
-    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old` is the state before the step,
-    `new` the state after it, which is overwritten. Returns the residual norm [N]; up to `tolerance` it is a solution.
-    `increment` has the load and the workspace.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old_state` is the state before the
+    step, `new_state` the state after it, which is overwritten. Returns the residual norm [N]; up to `tolerance` it is a
+    solution. `increment` has the load and the workspace.
     """
-    copy(old.z, new.z)
+    copy(old_state.z, new_state.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
-    norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
+    norm = _assemble_step(springs, friction_elements, FALSE, increment, old_state, new_state)[0]
     for _ in range(_HYSTERESIS.newton_steps):
         if norm <= tolerance or solve_linear(increment.tangent, increment.residual, increment.step, 0.0) == 0.0:
             break
         step_share = min(1.0, max_length / max(largest(increment.step), 1e-300))
         for j in range(increment.step.size):
-            new.z[j] += step_share * increment.step[j]
-        norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
+            new_state.z[j] += step_share * increment.step[j]
+        norm = _assemble_step(springs, friction_elements, FALSE, increment, old_state, new_state)[0]
     return norm
 
 
@@ -384,17 +384,17 @@ def _solve_tresca(
     friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Solve for the equilibrium after a load step by a fixed-point iteration of the friction limits (Tresca).
 
     Contacts are `springs` without friction; `friction_elements` slip at a limit. While the limits are fixed, the
     solution minimizes an energy, and Newton's method with backtracking finds it. `tolerance` is the residual norm of a
-    solution [N], `old` the state before the step and `new` that after it, which is overwritten. `increment` has the
-    load and the workspace. Returns the residual norm [N].
+    solution [N], `old_state` the state before the step and `new_state` that after it, which is overwritten. `increment`
+    has the load and the workspace. Returns the residual norm [N].
     """
-    copy(old.z, new.z)
+    copy(old_state.z, new_state.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     norm = np.inf
@@ -403,27 +403,29 @@ def _solve_tresca(
         if increment.work[0] - work_before > _HYSTERESIS.tresca_work:
             break
         relaxation = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
-        _update_limits(friction_elements, increment, new if iteration else old, relaxation)
-        inner_norm, energy = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
+        _update_limits(friction_elements, increment, new_state if iteration else old_state, relaxation)
+        inner_norm, energy = _assemble_step(springs, friction_elements, TRUE, increment, old_state, new_state)
         for _ in range(_HYSTERESIS.tresca_iterations):
             if inner_norm <= 0.1 * tolerance:
                 break
             if not solve_cholesky(increment.tangent, increment.residual, increment.step, regularization):
-                _assemble_step(springs, friction_elements, TRUE, increment, old, new)
+                _assemble_step(springs, friction_elements, TRUE, increment, old_state, new_state)
                 modified_newton_step(
                     increment.tangent, increment.residual, increment.step, regularization, increment.vectors
                 )
-            copy(new.z, increment.start)
+            copy(new_state.z, increment.start)
             step_share = min(1.0, max_length / max(largest(increment.step), 1e-300))
             for _ in range(_HYSTERESIS.undamped_iterations):
                 for j in range(increment.step.size):
-                    new.z[j] = increment.start[j] + step_share * increment.step[j]
-                inner_norm, trial_energy = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
+                    new_state.z[j] = increment.start[j] + step_share * increment.step[j]
+                inner_norm, trial_energy = _assemble_step(
+                    springs, friction_elements, TRUE, increment, old_state, new_state
+                )
                 if trial_energy <= energy + ROUNDING * abs(energy):
                     break
                 step_share *= 0.5
             energy = trial_energy
-        norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
+        norm = _assemble_step(springs, friction_elements, FALSE, increment, old_state, new_state)[0]
         if norm <= tolerance:
             break
     return norm
@@ -435,27 +437,30 @@ def _solve_pseudo_transient(
     friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Solve for the equilibrium after a load step by pseudo-transient continuation; return the residual norm [N].
 
     If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the work of friction on the
     way to it. With enough viscous drag (a short pseudo time step), the solution of each pseudo time step is unique.
     Contacts are `springs` without friction; `friction_elements` slip at a limit. `increment` has the load and the
-    workspace. `tolerance` is the residual norm of a solution [N]. Both states, `old` before and `new` after the step,
-    are overwritten by the solution.
+    workspace. `tolerance` is the residual norm of a solution [N]. Both states, `old_state` before and `new_state` after
+    the step, are overwritten by the solution.
     """
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf
     for _ in range(_HYSTERESIS.pseudo_steps):
         increment.drag[0] = drag
-        _update_slip(springs, friction_elements, old)
-        if _solve_newton(springs, friction_elements, 0.5 * tolerance, increment, old, new) <= 0.5 * tolerance:
+        _update_slip(springs, friction_elements, old_state)
+        if (
+            _solve_newton(springs, friction_elements, 0.5 * tolerance, increment, old_state, new_state)
+            <= 0.5 * tolerance
+        ):
             norm = 0.0
             for j in range(increment.load.size):
-                norm = max(norm, abs(drag * (new.z[j] - old.z[j])))
-            _copy_state(new, old)
+                norm = max(norm, abs(drag * (new_state.z[j] - old_state.z[j])))
+            _copy_state(new_state, old_state)
             if norm <= 0.5 * tolerance:
                 break
             drag = max(_HYSTERESIS.decrease * drag, regularization)
@@ -502,15 +507,15 @@ def _assemble_step(
     friction_elements: FrictionElements,
     fixed_limits: bool,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> tuple[float, float]:
-    """Assemble residual and tangent of a load step at the displacements of `new`, and write them to `increment`.
+    """Assemble residual and tangent of a load step at the displacements of `new_state`, and write them to `increment`.
 
-    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old` is the state before the step.
-    The forces of springs and friction, and those that the material retains during unloading, are written to `new`. With
-    `fixed_limits`, the limits of friction and of the retained forces are taken from `increment`; the residual is then
-    the negative gradient of the energy, and the tangent is symmetric.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old_state` is the state before the
+    step. The forces of springs and friction, and those that the material retains during unloading, are written to
+    `new_state`. With `fixed_limits`, the limits of friction and of the retained forces are taken from `increment`; the
+    residual is then the negative gradient of the energy, and the tangent is symmetric.
 
     Returns
     -------
@@ -518,10 +523,10 @@ def _assemble_step(
         Residual norm [N] and energy [J].
     """
     increment.work[0] += 1
-    unknown_count, contacts, z = increment.load.size, springs.disc.size, new.z
+    unknown_count, contacts, z = increment.load.size, springs.disc.size, new_state.z
     drag, energy, gradient = increment.drag[0], 0.0, increment.gradient
     for j in range(unknown_count):
-        displacement_change = z[j] - old.z[j]
+        displacement_change = z[j] - old_state.z[j]
         increment.residual[j] = increment.load[j] - drag * displacement_change
         energy += (0.5 * drag * displacement_change - increment.load[j]) * displacement_change
         for column in range(unknown_count):
@@ -537,16 +542,20 @@ def _assemble_step(
             depth = max(-gap.width, 0.0)
             if depth > 0.0:
                 gradient[x_dof], gradient[x_dof + 1], gradient[rotation_dof], gradient[output_dof] = gap.normal
-        energy += _add_contact(friction_elements, fixed_limits, i, springs.stiffness[0, i], depth, increment, old, new)
+        energy += _add_contact(
+            friction_elements, fixed_limits, i, springs.stiffness[0, i], depth, increment, old_state, new_state
+        )
         if depth == 0.0:
             continue
-        force = new.spring_force[i] + new.retained_force[i]
+        force = new_state.spring_force[i] + new_state.retained_force[i]
         _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.rotates[i])
     for disc in range(springs.cam_position.shape[1]):
-        energy += _add_cam(springs, friction_elements, fixed_limits, disc, increment, old, new)
+        energy += _add_cam(springs, friction_elements, fixed_limits, disc, increment, old_state, new_state)
     for seal in range(friction_elements.drag.size):
         i = contacts + springs.cam_position.shape[1] + seal
-        energy += _add_friction(friction_elements, i, friction_elements.drag[seal], 0.0, increment, old, new)
+        energy += _add_friction(
+            friction_elements, i, friction_elements.drag[seal], 0.0, increment, old_state, new_state
+        )
     return largest(increment.residual), energy
 
 
@@ -589,28 +598,30 @@ def _add_cam(
     fixed_limits: bool,
     disc: int,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Add the contact of a disc and its cam, with friction, to residual and tangent of a step; return its energy [J].
 
     `springs` are the contact springs without friction, `friction_elements` slip at a limit. `disc` is the index of the
-    disc, `old` and `new` are the states before and after the step, and `fixed_limits` is whether the friction limits
-    are taken from `increment`, which also contains residual and tangent.
+    disc, `old_state` and `new_state` are the states before and after the step, and `fixed_limits` is whether the
+    friction limits are taken from `increment`, which also contains residual and tangent.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
-    cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
+    contact, gradient, tangent = cam_at(springs, FIRST, disc, new_state.z), increment.gradient, increment.tangent
     clear(gradient)
-    if cam.depth > 0.0:
-        gradient[x], gradient[y] = -cam.u, -cam.v
-    stiffness, depth = springs.cam_stiffness, max(cam.depth, 0.0)
-    energy = _add_contact(friction_elements, fixed_limits, i, stiffness, depth, increment, old, new)
-    if cam.depth > 0.0:
-        tangential_stiffness = (new.spring_force[i] + new.retained_force[i]) / cam.depth * cam.lateral_rate
-        tangent[x, x] += tangential_stiffness * cam.v * cam.v
-        tangent[y, y] += tangential_stiffness * cam.u * cam.u
-        tangent[x, y] -= tangential_stiffness * cam.u * cam.v
-        tangent[y, x] -= tangential_stiffness * cam.u * cam.v
+    if contact.depth > 0.0:
+        gradient[x], gradient[y] = -contact.u, -contact.v
+    stiffness, depth = springs.cam_stiffness, max(contact.depth, 0.0)
+    energy = _add_contact(friction_elements, fixed_limits, i, stiffness, depth, increment, old_state, new_state)
+    if contact.depth > 0.0:
+        tangential_stiffness = (
+            (new_state.spring_force[i] + new_state.retained_force[i]) / contact.depth * contact.lateral_rate
+        )
+        tangent[x, x] += tangential_stiffness * contact.v * contact.v
+        tangent[y, y] += tangential_stiffness * contact.u * contact.u
+        tangent[x, y] -= tangential_stiffness * contact.u * contact.v
+        tangent[y, x] -= tangential_stiffness * contact.u * contact.v
     return energy
 
 
@@ -622,29 +633,32 @@ def _add_contact(
     stiffness: float,
     depth: float,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Add contact `i`, including friction, to residual and tangent of a step; return its energy [J].
 
     The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` must be the gradient of
-    the depth by the unknowns. Its friction is in `friction_elements`. A further spring along the normal, which
-    slips at a limit, represents the force that the material retains during unloading. `old` is the state before the
-    step; the forces are written to `new`. With `fixed_limits`, the limits of friction and material are taken from
+    the depth by the unknowns. Its friction is in `friction_elements`. A further spring along the normal, which slips at
+    a limit, represents the force that the material retains during unloading. `old_state` is the state before the step;
+    the forces are written to `new_state`. With `fixed_limits`, the limits of friction and material are taken from
     `increment`.
     """
     spring_force = stiffness * depth
     retained_stiffness, retained_share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]
-    new.depth[i], new.spring_force[i], new.retained_force[i] = depth, spring_force, 0.0
+    new_state.depth[i], new_state.spring_force[i], new_state.retained_force[i] = depth, spring_force, 0.0
     energy, force, rate = 0.5 * spring_force * depth, spring_force, stiffness
     if retained_share > 0.0:
         limit = increment.retained_limit[i] if fixed_limits else retained_share * spring_force
-        trial_force, slope = old.retained_force[i] + retained_stiffness * (depth - old.depth[i]), retained_stiffness
+        trial_force, slope = (
+            old_state.retained_force[i] + retained_stiffness * (depth - old_state.depth[i]),
+            retained_stiffness,
+        )
         energy += _slip_energy(trial_force, limit, retained_stiffness)
         if abs(trial_force) > limit:
             sign = 1.0 if trial_force > 0.0 else -1.0
             trial_force, slope = sign * limit, 0.0 if fixed_limits else sign * retained_share * stiffness
-        new.retained_force[i] = trial_force
+        new_state.retained_force[i] = trial_force
         force, rate = force + trial_force, rate + slope
     gradient = increment.gradient
     for j in range(gradient.size):
@@ -654,7 +668,7 @@ def _add_contact(
     limit, limit_rate = increment.friction_limit[i], 0.0
     if not fixed_limits:
         limit, limit_rate = friction_elements.coefficient[i] * force, friction_elements.coefficient[i] * rate
-    return energy + _add_friction(friction_elements, i, limit, limit_rate, increment, old, new)
+    return energy + _add_friction(friction_elements, i, limit, limit_rate, increment, old_state, new_state)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -664,22 +678,23 @@ def _add_friction(
     limit: float,
     rate: float,
     increment: _Increment,
-    old: _ElastoplasticState,
-    new: _ElastoplasticState,
+    old_state: _ElastoplasticState,
+    new_state: _ElastoplasticState,
 ) -> float:
     """Add the friction of an element of index `i` to residual and tangent of a load step; return its energy [J].
 
     An element is a spring that slips at a limit. Its elastic trial force is reduced to the `limit` [N] (return
     mapping). Residual and tangent are in `increment`. `rate` [N/m] is the derivative of the limit by the deflection of
-    the contact. `old` is the state before the step; the friction force is written to ``new.friction_force``.
+    the contact. `old_state` is the state before the step; the friction force is written to
+    ``new_state.friction_force``.
     """
-    slip, stiffness, unknown_count = old.slip[i], friction_elements.stiffness[i], increment.load.size
-    new.friction_force[i] = 0.0
+    slip, stiffness, unknown_count = old_state.slip[i], friction_elements.stiffness[i], increment.load.size
+    new_state.friction_force[i] = 0.0
     if not limit > 0.0:
         return 0.0
-    trial_force = old.friction_force[i]
+    trial_force = old_state.friction_force[i]
     for j in range(unknown_count):
-        trial_force += stiffness * slip[j] * (new.z[j] - old.z[j])
+        trial_force += stiffness * slip[j] * (new_state.z[j] - old_state.z[j])
     energy = _slip_energy(trial_force, limit, stiffness)
     if abs(trial_force) > limit:
         sign = 1.0 if trial_force > 0.0 else -1.0
@@ -691,7 +706,7 @@ def _add_friction(
         for j in range(unknown_count):
             for column in range(unknown_count):
                 increment.tangent[j, column] += stiffness * slip[j] * slip[column]
-    new.friction_force[i] = trial_force
+    new_state.friction_force[i] = trial_force
     for j in range(unknown_count):
         increment.residual[j] -= trial_force * slip[j]
     return energy

@@ -249,20 +249,13 @@ def _write_sample_quantities(
     """
     angles, disc_count = len(z), cam_position.shape[1]
     for is_output in range(2):
-        rotation_sum, min_rotation, max_rotation = 0.0, math.inf, -math.inf
+        rotation_sum, min_turn, max_turn = 0.0, math.inf, -math.inf
         for k in range(angles):
             rotation = z[k, 3 * disc_count] if is_output else 0.0
             for disc in range(0 if is_output else disc_count):
                 rotation += z[k, 3 * disc + 2] / disc_count
-            rotation_sum, min_rotation, max_rotation = (
-                rotation_sum + rotation,
-                min(min_rotation, rotation),
-                max(max_rotation, rotation),
-            )
-        row[2 * is_output], row[2 * is_output + 1] = (
-            rotation_sum / angles / radius,
-            (max_rotation - min_rotation) / radius,
-        )
+            rotation_sum, min_turn, max_turn = rotation_sum + rotation, min(min_turn, rotation), max(max_turn, rotation)
+        row[2 * is_output], row[2 * is_output + 1] = rotation_sum / angles / radius, (max_turn - min_turn) / radius
     tooth_force = pin_force = cam_force = 0.0
     for k in range(angles):
         for i in range(force.shape[1]):

@@ -461,23 +461,28 @@ def _add_bent_pins(
     the crank angle, `z` (u,) [m] are the u unknown displacements, and `stiffness_factor` and `friction` are factors on
     stiffness and friction [1]; `rebuild_list` is whether the neighbour list of contacts is rebuilt.
     """
-    discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
-    width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
+    disc_count, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
+    width, forces, normal_gradients, tangential_gradients, rate, is_active, kept_closed, flexibility, stiffness = (
+        system.pin
+    )
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
             continue
-        for disc in range(discs):
+        for disc in range(disc_count):
             i = first_contact + disc * springs.pins + pin
             pose = disc_pose(springs, disc, z)
             gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
             width[disc], rate[disc], kept_closed[disc] = gap.width, gap.rate, system.kept_closed[i]
             for component in range(4):
-                normal[disc, component], tangential[disc, component] = gap.normal[component], gap.tangential[component]
-            for other_disc in range(discs):
+                normal_gradients[disc, component], tangential_gradients[disc, component] = (
+                    gap.normal[component],
+                    gap.tangential[component],
+                )
+            for other_disc in range(disc_count):
                 flexibility[disc, other_disc] = springs.bending[disc, other_disc] / stiffness_factor
             flexibility[disc, disc] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
-        for disc in range(discs):
+        for disc in range(disc_count):
             system.spring_forces[first_contact + disc * springs.pins + pin] = forces[disc]
             energy -= 0.5 * forces[disc] * width[disc]
         _add_pin_forces(springs, k, pin, friction, system)
@@ -511,45 +516,47 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
     The forces are in `system.pin`. `springs` are the contact springs, `k` and `pin` the indices of crank angle and pin;
     `friction` is a factor on the friction coefficients.
     """
-    discs, first_contact, output_dof = (
+    disc_count, first_contact, output_dof = (
         springs.cam_position.shape[1],
         _independent_contacts(springs),
         system.residual.size - 1,
     )
     has_friction = springs.friction_per_force.shape[0] > 0 and friction > 0.0
-    _, forces, normal, tangential, rate, is_active, _, _, stiffness = system.pin
-    for disc in range(discs):
+    _, forces, normal_gradients, tangential_gradients, rate, is_active, _, _, stiffness = system.pin
+    for disc in range(disc_count):
         i = first_contact + disc * springs.pins + pin
         if not is_active[disc]:
             continue
         force, system.row[i, CONTACT_STIFFNESS] = forces[disc], 0.0
-        for other_disc in range(discs):
+        for other_disc in range(disc_count):
             system.row[i, CONTACT_STIFFNESS] += stiffness[
                 disc, other_disc
             ]  # the clearances of all discs on a pin grow together
         normal_rotation, rotation_term = -force * rate[disc], -force / springs.radius
         for component in range(4):
-            system.row[i, component] = normal[disc, component]
+            system.row[i, component] = normal_gradients[disc, component]
             row = 3 * disc + component if component < 3 else output_dof
             friction_term = friction * springs.friction_per_force[k, i, row] if has_friction else 0.0
-            system.residual[row] += force * (normal[disc, component] + friction_term)
+            system.residual[row] += force * (normal_gradients[disc, component] + friction_term)
             for other_component in range(4):
                 system.tangent[row, 3 * disc + other_component if other_component < 3 else output_dof] += (
-                    normal_rotation * tangential[disc, component] * tangential[disc, other_component]
+                    normal_rotation
+                    * tangential_gradients[disc, component]
+                    * tangential_gradients[disc, other_component]
                 )
-            for other_disc in range(discs):
+            for other_disc in range(disc_count):
                 if not is_active[other_disc]:
                     continue
                 for other_component in range(4):
                     column = 3 * other_disc + other_component if other_component < 3 else output_dof
                     system.tangent[row, column] += (
                         stiffness[disc, other_disc]
-                        * (normal[disc, component] + friction_term)
-                        * normal[other_disc, other_component]
+                        * (normal_gradients[disc, component] + friction_term)
+                        * normal_gradients[other_disc, other_component]
                     )
         # geometric stiffness of the rotations of disc and output, as in `_add_contact`
-        system.tangent[3 * disc + 2, 3 * disc + 2] += rotation_term * tangential[disc, 2]
-        system.tangent[output_dof, output_dof] += rotation_term * tangential[disc, 3]
+        system.tangent[3 * disc + 2, 3 * disc + 2] += rotation_term * tangential_gradients[disc, 2]
+        system.tangent[output_dof, output_dof] += rotation_term * tangential_gradients[disc, 3]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
