@@ -103,8 +103,8 @@ def absolute(
     quantity: str, result: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
     """Return a row judged by |result - reference| in `unit`; the difference of two percentages is in points."""
-    measured = _as_quantity(quantity, result, reference, unit, source, note)
-    return ValidationRow(measured, float(abs(result - reference)), "points" if unit == "%" else unit, bound)
+    compared_quantity = _as_quantity(quantity, result, reference, unit, source, note)
+    return ValidationRow(compared_quantity, float(abs(result - reference)), "points" if unit == "%" else unit, bound)
 
 
 def deviation_row(

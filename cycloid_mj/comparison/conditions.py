@@ -41,8 +41,12 @@ def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return the values that differ between designs, except the load torque: key -> values, None for a missing one."""
     all_values = [design_values(reducer_of(design)) for design in designs]
     keys = dict.fromkeys(key for values in all_values for key in values if key != "load.torque_nm")
-    each = {key: tuple(values.get(key) for values in all_values) for key in keys}
-    return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
+    values_by_key = {key: tuple(values.get(key) for values in all_values) for key in keys}
+    return {
+        key: values_of_designs
+        for key, values_of_designs in values_by_key.items()
+        if any(value != values_of_designs[0] for value in values_of_designs)
+    }
 
 
 def total_play(reducer: Reducer) -> float:

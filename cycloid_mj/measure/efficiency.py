@@ -136,7 +136,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     inputs = spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)
-    measured = Quantity(
+    rated_quantity = Quantity(
         "efficiency", f"efficiency {condition}", efficiency, "%", error, note=f"{inputs}; {AS_BUILT[reducer.LAYOUT]}"
     )
     limit = Quantity(
@@ -150,8 +150,10 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     if reducer.design.has_film:
         statics = sampled_efficiency(efficiency_map.rated.reducer, load)
         source = "statics with the film friction of each contact; low to high are its 5 to 95 %"
-        measured = replace(measured, reference=statics.value, source=source, low=statics.low, high=statics.high)
-        return [replace(measured, causes=statics.causes), limit, balance]
+        rated_quantity = replace(
+            rated_quantity, reference=statics.value, source=source, low=statics.low, high=statics.high
+        )
+        return [replace(rated_quantity, causes=statics.causes), limit, balance]
     limit_note = (
         f"{formula.source}: {1e2 * formula.efficiency:.2f} %, without the cam's bearing and without the moment by "
         "which friction turns the disc back, which increases the tooth forces"
@@ -160,7 +162,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     )
     reference, source = 1e2 * ideal_sharing.efficiency, ideal_sharing.source
     return [
-        replace(measured, reference=reference, source=source),
+        replace(rated_quantity, reference=reference, source=source),
         replace(limit, reference=reference, source=source, note=limit_note),
         balance,
     ]

@@ -126,14 +126,13 @@ def loads(
     drive = steady_design(reducer).but(load={"torque": torque})
     runs, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
     run, finer_run = _run_at_two_steps(drive, periods, solver, lambda finished, _: progress(finished, runs))
-    contacts, half_step = contact_pressures(run, drive), contact_pressures(finer_run, drive)
+    contacts, checks = contact_pressures(run, drive), contact_pressures(finer_run, drive)
     first_periods = contact_pressures(run.select(slice(0, len(finer_run))), drive)
     missed_peaks = {kind: _missed_peak(drive, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _find_capacities(drive, contacts, first_periods, half_step, missed_peaks, solver)
+    capacities, capacity_details = _find_capacities(drive, contacts, first_periods, checks, missed_peaks, solver)
     progress(runs, runs)
     by_kind = (
-        _kind_quantities(drive, contacts[key], first_periods[key], half_step[key], missed_peaks[key])
-        for key in contacts
+        _kind_quantities(drive, contacts[key], first_periods[key], checks[key], missed_peaks[key]) for key in contacts
     )
     # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
     by_disc = _disc_quantities(run, finer_run, drive) if reducer.design.gear.discs > 1 and "output" in contacts else ()
@@ -457,9 +456,8 @@ def _ring_curves(tooth_contacts: ContactPressures, reducer: Reducer) -> Iterator
     `tooth_contacts` are the contacts of disc and ring.
     """
     pin_count, sample = reducer.design.ring.teeth, int(np.argmax(tooth_contacts.force.max(axis=1)))
-    ring_index = (
-        int(np.argmax(tooth_contacts.force[sample])) // pin_count
-    )  # of a disc or, of a ring in two halves, of one of them
+    # index of the disc or, with a ring in two halves, of disc and half
+    ring_index = int(np.argmax(tooth_contacts.force[sample])) // pin_count
     columns, disc = (
         slice(ring_index * pin_count, (ring_index + 1) * pin_count),
         ring_index // reducer.design.ring.halves,

@@ -153,7 +153,9 @@ def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float)
     # linear interpolation would lose 2.6 % of the third harmonic of the mesh
     shaft_twist = wind_up(reducer) * run["load_torque"]
     errors = (gear_error(run, reducer), output_error(run, reducer) + shaft_twist)
-    gear, output = (ARCSECONDS * CubicSpline(crank_angle, error[ascending_order])(angles) for error in errors)
+    gear_errors, output_errors = (
+        ARCSECONDS * CubicSpline(crank_angle, error[ascending_order])(angles) for error in errors
+    )
     if isinstance(reducer, RvReducer):
-        output = output + ARCSECONDS * runout_at(reducer, angles)
-    return Trace(angles, gear, output, run)
+        output_errors = output_errors + ARCSECONDS * runout_at(reducer, angles)
+    return Trace(angles, gear_errors, output_errors, run)

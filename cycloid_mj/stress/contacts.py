@@ -286,8 +286,8 @@ def _disc(turn: Turn, disc: int) -> PartFrame:
 
 def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
     """Return the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
-    seat = _disc(turn, disc)
-    return PartFrame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
+    disc_frame = _disc(turn, disc)
+    return PartFrame(disc_frame.origin, disc_frame.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
 
 
 def _read_action(turn: Turn, name: str, origin: Array) -> Action:
@@ -298,8 +298,8 @@ def _read_action(turn: Turn, name: str, origin: Array) -> Action:
     return Action(force, moment).in_frame(-origin, np.zeros_like(moment)).without_rounding()
 
 
-def _in(seat: PartFrame, action: Action) -> Action:
-    return action.in_frame(seat.origin, seat.angle)
+def _in(frame: PartFrame, action: Action) -> Action:
+    return action.in_frame(frame.origin, frame.angle)
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
@@ -531,8 +531,8 @@ def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
 
 def _round_width(turn: Turn, kind: str, action: Action) -> Array:
     """Compute the half width of the patch of a round part in its hole [m], (k,); the widest without clearance."""
-    inner, outer = _round_radii(turn, kind)
-    return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
+    part_radius, hole_radius = _round_radii(turn, kind)
+    return half_width(turn.reducer, kind, action.size, 1.0 / part_radius - 1.0 / hole_radius, part_radius)
 
 
 def total(contacts: Sequence[PartContact]) -> Action:

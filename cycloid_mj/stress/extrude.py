@@ -83,10 +83,10 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     return replace(grid, singular_points=np.concatenate(corners), corner_distance=corner_distance)
 
 
-def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
-    """Return the slice of each disc's levels in the concatenated levels of all discs, after `first` other levels."""
-    ends = first + np.cumsum([0, *(len(levels) for levels in discs)])
-    return [slice(int(start), int(end)) for start, end in pairwise(ends)]
+def _layers_of(discs: list[Array], first_level: int = 0) -> list[slice]:
+    """Return the slice of each disc's levels in the concatenated levels of all discs, which begin at `first_level`."""
+    boundaries = first_level + np.cumsum([0, *(len(levels) for levels in discs)])
+    return [slice(int(start), int(end)) for start, end in pairwise(boundaries)]
 
 
 def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices: Sequence[slice]) -> Grid:

@@ -93,12 +93,12 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     """
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
-    pins = np.array([number_of(label) for label in loads.labels])
-    arms, pin_numbers = root_arms(reducer)[:, discs], np.unique(pins)
+    loaded_pins = np.array([number_of(label) for label in loads.labels])
+    arms, pin_numbers = root_arms(reducer)[:, discs], np.unique(loaded_pins)
     # Bending moments (k, r, p, 2): crank angle, root (one per output disc), output pin, x and y
     moments = np.stack(
         [
-            np.einsum("rc,kcx->krx", arms[:, pins == pin_number], loads.force[:, pins == pin_number])
+            np.einsum("rc,kcx->krx", arms[:, loaded_pins == pin_number], loads.force[:, loaded_pins == pin_number])
             for pin_number in pin_numbers
         ],
         axis=2,

@@ -278,9 +278,9 @@ def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple
 def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
     """Compute the nodal load (n, 1) of 1 N m about z as shear of torsion on the input end."""
     end = select_surface(grid, lambda x: x[2] - shaft.end < 1e-6 * shaft.radius)
-    first = _cam_unit_loads(grid, shaft, 0)[0][:, 1:3]
+    force_loads = _cam_unit_loads(grid, shaft, 0)[0][:, 1:3]
     load = traction_loads(end, _rotate_quarter(end.points))[:, np.newaxis]
-    return _scale_to_unit_moment(grid, load + first @ _resultant(load))
+    return _scale_to_unit_moment(grid, load + force_loads @ _resultant(load))
 
 
 def _scale_to_unit_moment(grid: Grid, load: Array) -> Array:

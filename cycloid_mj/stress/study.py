@@ -428,8 +428,8 @@ def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
 
 def _largest(values: Array) -> Array:
     """Compute the largest number in each row of an array (k, m); NaN for rows of NaN only."""
-    largest = np.max(values, axis=1, initial=-np.inf, where=~np.isnan(values))
-    return np.where(np.isfinite(largest), largest, np.nan)
+    row_maxima = np.max(values, axis=1, initial=-np.inf, where=~np.isnan(values))
+    return np.where(np.isfinite(row_maxima), row_maxima, np.nan)
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:

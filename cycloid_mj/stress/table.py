@@ -56,7 +56,7 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
     for name, nominal_stress, stress in sections:
         factor = stress / nominal_stress if nominal_stress else math.nan
         cells = (
-            f"{number:.3g}" for number in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
+            f"{quantity:.3g}" for quantity in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
         )
         yield (name, f"{nominal_stress / MEGAPASCAL:.3g}", *cells)
 
