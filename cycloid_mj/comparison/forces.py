@@ -55,10 +55,11 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute how many teeth carry force, and the mean and peak force [N] of each kind of mating pair, over full turns.
+    """Compute how many teeth carry force, and the peak force [N] of each kind of mating pair, over full turns.
 
-    The number of teeth is the mean, least and largest of the samples.     `motion` are the time series of the run. The
-    samples are those at constant speed after settling, or all of them if these are less than a turn.
+    The number of teeth is the mean, least and largest of the samples. Teeth, cams and crank bearings also have the mean
+    of the largest force in each sample. `motion` are the time series of the run. The samples are those at constant
+    speed after settling, or all of them if these are less than a turn.
     """
     turns = full_turns(motion)
     window = slice(turns[0].start, turns[-1].stop)

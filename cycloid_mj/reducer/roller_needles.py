@@ -141,7 +141,7 @@ def roller_contact(
 ) -> tuple[float, float]:
     """Compute force [N] and stiffness [N/m] of a roller between hole and core, by a semismooth Newton method.
 
-    The stiffness is the derivative of the force by `approach`, which must be positive. The unknowns are the
+    The stiffness is the derivative of the force by `approach`, which must exceed `onset`. The unknowns are the
     displacements of the roller on its core, x along the force and y across. The energy of all springs is convex; steps
     that raise it are halved. In the code, xx, xy and yy are its second derivatives [N/m].
 

@@ -58,7 +58,7 @@ class MainBearingSpace:
 
 
 def main_bearing_space(reducer: "RvReducer") -> MainBearingSpace:
-    """Return the limits of bore and outside diameter for main bearings between flanges and housing [m].
+    """Return the limits of bore, outside diameter and shoulder [m] of main bearings between flanges and housing.
 
     They do not depend on the main bearings that the design has (`cranks.main_bearings`).
     """

@@ -145,7 +145,7 @@ def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> Lock
 def _join_sides(max_torque: float, side_rotations: Sequence[Array]) -> LockedCurve:
     """Join the output rotations [rad] under negative and under positive torques to a curve over the torque.
 
-    `side_rotations` are the rotations under negative, then those under positive torques.     The torques are `SHARES`
+    `side_rotations` are the rotations under negative, then those under positive torques. The torques are `SHARES`
     of `max_torque` [N m], the same on both sides.
     """
     torque_shares = np.array(SHARES)

@@ -88,7 +88,7 @@ def _subdivide_polygon(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Arr
 
     Returns
     -------
-    points, corner, radius
+    points, is_corner, radius
         The m points of the divided polygon (m, 2) [m], whether each is a corner, and the radius of curvature [m] there,
         inf at corners; (m,) each.
     """
