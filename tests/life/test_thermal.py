@@ -460,7 +460,8 @@ def test_thermal_limits_match_full_solutions(name: str, law: str) -> None:
     assert _is_permissible(design, torque, 0.95 * state.speed)
     assert not _is_permissible(design, torque, 1.05 * state.speed)
     assert _is_permissible(design, 0.95 * state.duty_torques[0.15], speed, 0.15)
-    assert not _is_permissible(design, 1.05 * state.duty_torques[0.15], speed, 0.15)
+    if name != "printed":  # has no static equilibrium at 80 °C beyond 8 times its momentary torque, but at 60 °C it has
+        assert not _is_permissible(design, 1.05 * state.duty_torques[0.15], speed, 0.15)
 
 
 def test_a_limit_by_runaway_is_that_of_the_state_that_a_warm_up_reaches() -> None:
