@@ -125,7 +125,7 @@ LEFT_OUT: Mapping[Layout, tuple[str, ...]] = {"central": (), "rv": ("3mf", WHOLE
 
 
 def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
-    """Create the files that the page offers for download of one kind, such as STEP or DXF, for a design.
+    """Create the files of one kind, such as STEP or DXF, that the page offers for download, as bytes.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
     kind
         Key of `FILES`, or `WHOLE_DRIVE` for all files to build the drive.
     options
-        Motor, printer offset and bed.
+        Motor, increase of the clearances of printed parts, and bed of the printer; see `BuildOptions`.
 
     Returns
     -------
     Download
-        Its ``files`` are one file, name -> content: the file itself, or a zip file.
+        Its ``files`` are a dict with a single entry, file name -> content as bytes. Several files are in a zip file.
     """
     design = parse_design(values)
     if kind in LEFT_OUT[design.layout]:

@@ -335,14 +335,14 @@ def _mean_opening(loop: MeasuredLoop) -> float:
 
     It is the mean over the torques that both branches cover. It is negative for a loop that releases energy.
     """
-    directions = [loop.moving(direction) for direction in (1, -1)]
+    branch_masks = [loop.moving(direction) for direction in (1, -1)]
     common_range = (
-        max(loop.torque[is_moving].min() for is_moving in directions),
-        min(loop.torque[is_moving].max() for is_moving in directions),
+        max(loop.torque[is_moving].min() for is_moving in branch_masks),
+        min(loop.torque[is_moving].max() for is_moving in branch_masks),
     )
     levels = np.linspace(*common_range, len(loop.torque))
     rising_branch, falling_branch = (
-        _interpolate(loop.torque[is_moving], loop.deflection[is_moving], levels) for is_moving in directions
+        _interpolate(loop.torque[is_moving], loop.deflection[is_moving], levels) for is_moving in branch_masks
     )
     return float(np.mean(falling_branch - rising_branch))
 

@@ -49,10 +49,11 @@ def wall_rule(
     name
         Name of the check.
     limits
-        Function from a wall thickness over `radius` [1] to the limits at which the wall has this thickness, such as a
-        largest value of "gear.bore_radius". The first is that of the checked key; the others are alternative remedies.
+        Function that maps a wall thickness, divided by `radius` [1], to limits. Each `Limit` is the bound on a key of
+        the design at which the wall has this thickness, such as a largest value of "gear.bore_radius". The first is
+        that of the checked key; the others are alternative remedies.
     share, radius
-        Assumed smallest wall over `radius` [1], and radius of the pin circle [m].
+        Assumed smallest wall thickness, divided by `radius` [1], and radius of the pin circle [m].
     location
         Position of the wall, in words.
     depends_on_others

@@ -80,21 +80,21 @@ def _undercut_rule(reducer: Reducer) -> Rule:
     along the entire profile.
     """
     design = reducer.design
-    ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
+    ring, eccentricity, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
     generating_radius = design.ring.pin_circle_radius + design.modification.pin_circle
 
-    def remaining_radius(eccentricity: float) -> float:
-        disc_profile = CycloidGear(ring.teeth, eccentricity, generating_radius, ring.pin_radius)
+    def remaining_radius(trial_eccentricity: float) -> float:
+        disc_profile = CycloidGear(ring.teeth, trial_eccentricity, generating_radius, ring.pin_radius)
         return profile.undercut_radius(disc_profile) - offset
 
     alternatives = (
         ()
-        if remaining_radius(c) > 0
-        else (Limit("gear.eccentricity", "less than", _find_decreasing_root(remaining_radius, c)),)
+        if remaining_radius(eccentricity) > 0
+        else (Limit("gear.eccentricity", "less than", _find_decreasing_root(remaining_radius, eccentricity)),)
     )
     return Rule(
         "undercut",
-        Limit("ring.pin_radius", "less than", ring.pin_radius + remaining_radius(c)),
+        Limit("ring.pin_radius", "less than", ring.pin_radius + remaining_radius(eccentricity)),
         "pin and clearance must be smaller than the smallest convex radius of the pin's path, or they undercut lobes",
         alternatives,
     )

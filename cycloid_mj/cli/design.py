@@ -198,7 +198,10 @@ def _describe_motor_defaults(design: Design, motor: Sequence[str]) -> str:
 
 
 def _compute_summary(reducer: Reducer) -> "Summary | None":
-    """Compute the summary of a reducer; None if it has no static equilibrium, which a check reports."""
+    """Compute ratio, size, mass, loads and backlash of a reducer (`Summary`); None without a static equilibrium.
+
+    A check reports the missing equilibrium.
+    """
     from cycloid_mj.checks import summarize
 
     try:

@@ -111,32 +111,35 @@ def lubricant_warnings(design: "Design") -> Iterator[str]:
     """Yield a warning if the temperatures of a design are outside the range of the lubricant of its film friction.
 
     The temperatures are those of parts in contact, if the design sets them, and that of the air, at which a drive
-    starts. Without film friction, or with sizes of warm parts as in a log, nothing is yielded.
+    starts. Nothing is yielded without film friction, or if the design's dimensions already include thermal expansion
+    (``thermal.applied``), as in the design stored in a log.
     """
     if not design.has_film or design.thermal.applied:
         return
-    oil, hottest = lubricant(design.friction.lubricant), design.service.grease_temperature
+    oil, max_temperature = lubricant(design.friction.lubricant), design.service.grease_temperature
     parts = ("disc", "ring", "crank", "output") if design.thermal.words else ()
     temperatures = {part: getattr(design.thermal, part) for part in parts} | {"air": design.service.ambient_temperature}
-    outside = {body: value for body, value in temperatures.items() if not oil.coldest <= value <= hottest}
-    if not outside:
+    invalid_temperatures = {
+        body: value for body, value in temperatures.items() if not oil.coldest <= value <= max_temperature
+    }
+    if not invalid_temperatures:
         return
-    bodies = ", ".join(f"{body} {value:g} °C" for body, value in outside.items())
+    bodies = ", ".join(f"{body} {value:g} °C" for body, value in invalid_temperatures.items())
     effect, remedy = (
         (
             "does not flow",
             "choose another friction.lubricant, such as low-temperature grease 18 (to -50 °C), or higher temperatures",
         )
-        if min(outside.values()) < oil.coldest
+        if min(invalid_temperatures.values()) < oil.coldest
         else (
             "decomposes",
             "choose lower temperatures, or set service.grease_temperature_c to the limit of your lubricant",
         )
     )
     yield (
-        f"temperatures outside the range of {oil.name}, {oil.coldest:g} to {hottest:g} °C: {bodies}. The lubricant "
-        f"{effect} there, and its viscosity is extrapolated: friction and losses are not valid. Remedy: {remedy} "
-        "(--at-c, [thermal], service.ambient_temperature_c)"
+        f"temperatures outside the range of {oil.name}, {oil.coldest:g} to {max_temperature:g} °C: {bodies}. "
+        f"The lubricant {effect} there, and its viscosity is extrapolated: friction and losses are not valid. "
+        f"Remedy: {remedy} (--at-c, [thermal], service.ambient_temperature_c)"
     )
 
 

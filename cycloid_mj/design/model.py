@@ -1153,7 +1153,7 @@ class Design(Section, Presented):
         Raises
         ------
         DesignError
-            The sizes are those of warm parts (``thermal.applied``), as in a log.
+            The dimensions already include thermal expansion (``thermal.applied``), as in the design stored in a log.
         """
         if self.thermal.applied:
             raise DesignError(

@@ -278,11 +278,12 @@ class Tolerances(Tabular):
     def as_json(self) -> dict[str, Any]:
         """Convert a tolerance study to JSON values, without the values of single samples.
 
-        ``samples`` of ``asked`` samples were computed; ``condition``, ``seed`` and ``limits`` state how. ``yield`` and
-        ``jam_probability`` are shares of the samples [1], ``yield_ci95`` are the bounds of the 95 % interval,
-        ``pressed_unloaded`` the share in which each kind of part is preloaded. ``quantities`` are the distributions of
-        the quantities, ``budget`` the shares of the variance of the quantity ``budget_of``, and ``verified`` the worst
-        samples in full dynamics.
+        ``samples`` of ``asked`` samples were computed. ``condition`` describes in words how (model, loads and angles),
+        and ``seed`` is that of the random deviations. ``yield`` is the share of the samples [1] that do not jam and
+        whose quantities are all within ``limits``, such as "backlash_arcmin<=1"; ``yield_ci95`` is its 95 % interval.
+        ``jam_probability`` is the share that jams, ``pressed_unloaded`` the share in which each kind of part is
+        preloaded. ``quantities`` are the distributions of the quantities, ``budget`` the shares of the variance of the
+        quantity ``budget_of``, and ``verified`` the worst samples in full dynamics.
         """
         return {
             "design": self.design,

@@ -230,18 +230,22 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
     """Compute few points on the outline of the internal gear; chords deviate from it by at most `chord_error` [m].
 
-    All lobes have the same points. The points at which an arc of a lobe meets a flank `Sigma` are included, so that no
-    chord spans parts of both. The order is clockwise, from the tip of lobe 1 on +y.
+    Each lobe of the internal gear is a circular arc with the pin radius at its tip, and on each side a flank (`Sigma`,
+    the second envelope of the disc). All lobes have the same points. The points at which arc and flank meet are
+    included, so that no chord spans parts of both. The order is clockwise, from the tip of lobe 1 on +y.
 
     Raises
     ------
     DesignError
         The gear is undercut, or `chord_error` is below 1e-12 m.
     """
-    B, alpha, rho = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
-    arc_chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
+    flank_phases, arc_half_angle, arc_radius = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
+    arc_chords = max(1, math.ceil(arc_half_angle / (2 * math.acos(max(0.0, 1 - chord_error / arc_radius)))))
     half_lobe_lengths = np.concatenate(
-        [np.linspace(0, rho * alpha, arc_chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length]
+        [
+            np.linspace(0, arc_radius * arc_half_angle, arc_chords + 1),
+            arc_radius * arc_half_angle + Sigma(gear, flank_phases[1:]).arc_length,
+        ]
     )
     half_lobe_lengths[-1] = perimeter(gear) / gear.ring_teeth / 2
     signed_lengths = np.concatenate([half_lobe_lengths, -half_lobe_lengths[-2:0:-1]])

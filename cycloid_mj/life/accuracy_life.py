@@ -381,7 +381,7 @@ class _Log:
         hours: list[float] = []
         lost_motions: list[float] = []
         last_states: deque[WearState] = deque(maxlen=2)
-        end_reason, is_final = f"{self._hours:g} h are over", False
+        end_reason, is_unusable = f"{self._hours:g} h are over", False
         try:
             for state in wear_steps(self._drive, case, record_times):
                 hours.append(state.hours)
@@ -395,9 +395,9 @@ class _Log:
                 if on_progress:
                     on_progress(case, min(1.0, max(state.hours / self._hours, growth / self._growth)))
                 if worn_surface:
-                    depth = f"{1e3 * worn_surface.thickness:.3g} mm"
-                    end_reason = f"after {state.hours:.4g} h, {worn_surface.name} are worn through ({depth})"
-                    is_final = True
+                    thickness_text = f"{1e3 * worn_surface.thickness:.3g} mm"
+                    end_reason = f"after {state.hours:.4g} h, {worn_surface.name} are worn through ({thickness_text})"
+                    is_unusable = True
                 elif is_end:
                     end_reason = f"the lost motion has grown by {self._growth:.0%}"
                 if is_end:
@@ -405,13 +405,13 @@ class _Log:
         except RunError as error:
             if not lost_motions:
                 raise
-            end_reason, is_final = f"no static equilibrium: {error}", True
+            end_reason, is_unusable = f"no static equilibrium: {error}", True
         except KeyboardInterrupt:
             if not lost_motions:
                 raise
             self._interrupted, end_reason = True, "interrupted"
         trend = WearTrend(self._drive, case, last_states[0], last_states[-1])
-        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason, is_final, trend)
+        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason, is_unusable, trend)
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:

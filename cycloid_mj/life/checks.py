@@ -202,7 +202,7 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
     """Yield a check for each kind of failure in `KINDS`: the weakest rated item of the kind against its limit.
 
     The limit is a safety factor of 1, or the required life [h]. Kinds without rated items have no check.
-    `decisive_items` are the items of the rating that limit the rated torque (`RatedItem.decisive`).
+    `decisive_items` are the items to check: those of the `rating` that limit the rated torque (`RatedItem.decisive`).
     """
     for kind, (quantity_text, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]

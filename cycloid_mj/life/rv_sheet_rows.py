@@ -238,7 +238,10 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of no-load (20, 60 °C) and starting torque (20 °C) on the sun [N m], with the law ``film``."""
+    """Yield the rows of no-load (20, 60 °C) and starting torque (20 °C) on the sun [N m].
+
+    The design has the friction law ``film``.
+    """
     for key, name, figure_key, temperature in (
         ("running_torque_cold", "No-load torque, 20 °C", "no_load_torque_nm", SETTINGS.cold),
         ("running_torque_warm", "No-load torque, 60 °C", "no_load_torque_nm", SETTINGS.warm),

@@ -264,8 +264,8 @@ def press_to_stops(
 def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
     """Compute the backlash [rad] by a linear programme (all clearances) and by closed forms (each kind of clearance).
 
-    The result maps "all" and each kind of mating pair to the values at `crank_angles` [rad] and over the turn; empty
-    for a preloaded ring.
+    The result maps "all" and each kind of mating pair to two arrays: the backlash at `crank_angles` [rad], and at the
+    angles of a full turn (`rigid_backlash.full_turn_angles`). It is empty for a preloaded ring.
     """
     if reducer.design.ring.preload:
         return {}
@@ -278,9 +278,9 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
             "rigid contacts: linear programme",
         )
     for kind in _kinds_with_clearance(reducer):
-        single_reducer = with_single_clearance(reducer, kind)
+        single_clearance_reducer = with_single_clearance(reducer, kind)
         sampled_backlash, turn_backlash = (
-            rigid_backlash.single_clearance_backlash(single_reducer, angles)[kind]
+            rigid_backlash.single_clearance_backlash(single_clearance_reducer, angles)[kind]
             for angles in (np.array(crank_angles), turn_angles)
         )
         closed_forms[kind] = ClosedForm(sampled_backlash, turn_backlash, _FORMULAS.get(kind, _MESH_FORMULA))

@@ -76,9 +76,10 @@ def _extreme_arms(reducer: Reducer, gaps: Gaps, kind: str) -> tuple[Array, Array
 
 
 def effective_clearance(reducer: Reducer, kind: str) -> float:
-    """Compute the clearance of a kind of pair [m] at ideal positions of all parts, from the nominal clearance.
+    """Compute the radial clearance of a kind of contact pair [m], with all parts at their ideal positions.
 
-    It includes the offset of modified flanks or, for output pins, the excess of the hole radius over pin radius plus
+    `kind` is one of `Design.pair_kinds`, such as "pin_gear", "cam" or "output". The result is the nominal clearance
+    plus the offset of modified flanks or, for output pins, the excess of the hole radius over pin radius plus
     eccentricity.
     """
     design = reducer.design

@@ -332,18 +332,20 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> 
     return (float(deviations[steps // 2 :].mean()) - stop_angle) / scene.reduced.wind_up(torque) - 1.0
 
 
-def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
+def _try_time_steps(
+    joint_model: ReducedJoint, integrator: Integrator, load: str, inertia: float
+) -> Iterator[StepTrial]:
     """Yield the trial simulations at the time steps `STUDY.steps` of a joint with an integrator and an inertia [kg m2].
 
     If the shortest step is not accurate, those at `STUDY.finer_steps` follow until one is. `load` is the name of the
-    inertia. `reduced` is the joint model of the drive.
+    inertia. `joint_model` is the reduced model of the drive.
     """
-    trials = [try_time_step(reduced, integrator, step, inertia, load) for step in STUDY.steps]
+    trials = [try_time_step(joint_model, integrator, step, inertia, load) for step in STUDY.steps]
     yield from trials
     if trials[0].accurate:
         return
     for finer_step in STUDY.finer_steps:
-        trial = try_time_step(reduced, integrator, finer_step, inertia, load)
+        trial = try_time_step(joint_model, integrator, finer_step, inertia, load)
         yield trial
         if trial.accurate:
             return

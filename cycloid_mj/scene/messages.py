@@ -64,8 +64,8 @@ def frame_rate(reducer: Reducer) -> float:
     """
     design = reducer.design
     rate_by_angle = FRAME.frames_per_turn * abs(reducer.orbit_speed) / (2.0 * math.pi)
-    max_rate = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
-    return min(max(design.settings.scene_rate, min(rate_by_angle, max_rate)), FRAME.max_rate)
+    rate_by_count = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
+    return min(max(design.settings.scene_rate, min(rate_by_angle, rate_by_count)), FRAME.max_rate)
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,8 @@ def shade(mesh: Mesh) -> ShadedMesh:
     is_smooth = np.einsum("ij,ij->i", face_normals[adjacent_faces[:, 0]], face_normals[adjacent_faces[:, 1]]) >= np.cos(
         CREASE
     )
-    surface = _connected_components(adjacent_faces[is_smooth], len(mesh.faces))
-    vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
+    smooth_component_labels = _connected_components(adjacent_faces[is_smooth], len(mesh.faces))
+    vertex_keys = smooth_component_labels[:, np.newaxis] * len(mesh.vertices) + mesh.faces
     unique_keys, vertex_indices = np.unique(vertex_keys, return_inverse=True)
     faces = vertex_indices.reshape(-1, 3)
     weighted_normals = (_corner_angles(corners)[..., np.newaxis] * face_normals[:, np.newaxis]).reshape(-1, 3)

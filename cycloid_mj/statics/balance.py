@@ -477,11 +477,11 @@ def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     cam_force = springs.cam_normal_share * np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     film = contact_loads.friction
     if film is not None:
-        friction_speeds = film.contacts * slip
+        power_per_force = film.contacts * slip
         return {
-            "teeth": np.sum(friction_speeds[:, :tooth_count] * contact_loads.teeth, axis=1),
+            "teeth": np.sum(power_per_force[:, :tooth_count] * contact_loads.teeth, axis=1),
             "cam": film.cam * design.gear.bore_radius * cam_speed * cam_force,
-            "output": np.sum(friction_speeds[:, tooth_count:] * contact_loads.output, axis=1),
+            "output": np.sum(power_per_force[:, tooth_count:] * contact_loads.output, axis=1),
         }
     return {
         "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :tooth_count], axis=1),

@@ -134,8 +134,8 @@ def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, rin
     shaft_planes, output_planes, ring_planes = (
         Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring)
     )
-    far_bearing, near_bearing = (0.5 * sum(seat_ends) for seat_ends in bearing_seats(reducer))
-    shaft_reactions = shaft_planes.reactions_at(far_bearing, near_bearing)
+    far_position, near_position = (0.5 * sum(seat_ends) for seat_ends in bearing_seats(reducer))
+    shaft_reactions = shaft_planes.reactions_at(far_position, near_position)
     output_reactions: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":
         disc_position = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness

@@ -382,15 +382,15 @@ def _error_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
         for direction in DIRECTIONS:
             rotations = _compute_rotations(reducer, load, case, direction)
             means |= {
-                (shaft, case, direction): float(rotation.mean()) / ARCSECOND for shaft, rotation in rotations.items()
+                (part, case, direction): float(rotation.mean()) / ARCSECOND for part, rotation in rotations.items()
             }
             yield from _range_quantities(rotations, case, direction)
             if (case, direction) == ("loaded", "forward") and SHEETS[reducer.LAYOUT].is_compared:
                 yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
-    for shaft in rotations:
-        unloaded_error = means[shaft, "unloaded", "forward"]
-        yield sheet_quantity(f"{shaft}_reversal", unloaded_error - means[shaft, "unloaded", "reverse"])
-        yield sheet_quantity(f"{shaft}_wind_up", means[shaft, "loaded", "forward"] - unloaded_error)
+    for part in rotations:
+        unloaded_error = means[part, "unloaded", "forward"]
+        yield sheet_quantity(f"{part}_reversal", unloaded_error - means[part, "unloaded", "reverse"])
+        yield sheet_quantity(f"{part}_wind_up", means[part, "loaded", "forward"] - unloaded_error)
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:

@@ -188,26 +188,26 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
         factor for cam_index in range(len(cam_names)) for factor in _cam_load_factors(shaft, loads, cam_index)
     ]
     load_factors = np.vstack([*cam_factors, loads.torque, mass_coefficients(loads)])
-    relief, compliance = _pad_compliance(part, pads)
+    unit_pad_displacements, compliance = _pad_compliance(part, pads)
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
-    def solve_response(angles: Integers) -> Response:
-        """Solve for displacements, support forces and section moments at c crank angles with indices `angles`, (c,).
+    def solve_response(angle_indices: Integers) -> Response:
+        """Solve for displacements, support forces and section moments at c crank angles with `angle_indices`, (c,).
 
-        Bearings press on the shaft and do not pull.
+        Bearings press on the shaft and do not pull: the opening force on a pad cancels the tension of its spring.
         """
-        weights = load_factors[:, angles]
-        open_forces = np.column_stack(
+        weights = load_factors[:, angle_indices]
+        opening_forces = np.column_stack(
             [
                 solve_open_pads(pads, compliance, pad_displacements)
                 for pad_displacements in (pads.press.T @ (unit_displacements @ weights)).T
             ]
         )
-        applied_forces, relief_forces = unit_loads @ weights, pads.press @ open_forces
-        displacements = unit_displacements @ weights + relief @ open_forces
-        pad_forces = relief_forces - pads.springs @ displacements
+        applied_forces, pad_relief_forces = unit_loads @ weights, pads.press @ opening_forces
+        displacements = unit_displacements @ weights + unit_pad_displacements @ opening_forces
+        pad_forces = pad_relief_forces - pads.springs @ displacements
         return Response(
-            forces=applied_forces + relief_forces,
+            forces=applied_forces + pad_relief_forces,
             displacements=displacements,
             imbalance=weights.T @ imbalances,
             reaction=pad_forces.T @ part.motions,

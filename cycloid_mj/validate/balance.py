@@ -243,29 +243,30 @@ def step_rows(layout: str) -> list[ValidationRow]:
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
-    """Check the static solution of a torque loop at a locked crank by equilibrium of reference contact springs.
+    """Check the static solution along a load path, a torque loop at a locked crank, by reference contact springs.
 
-    `layout` is a key of `LAYOUTS`. The reference springs have gaps from the exact curves; friction and material
-    hysteresis are springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is
-    divided, into at most `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second
-    row checks that no step exceeds `max_travel`.
+    The returned row is the largest imbalance between the loads of the path (`LOOP`) and the reference springs. These
+    have gaps from the exact curves; friction and material hysteresis are springs that slip at a limit. `layout` is a
+    key of `LAYOUTS`. A step in which the output rotates by more than `max_travel`, as an arc length on the circle of
+    the output pins [m], is divided, into at most `spare_rows` additional steps in total. If `spare_rows` exceeds the
+    number of loads, a second validation row checks that no step exceeds `max_travel`.
     """
     springs, reference, friction_elements = springs_with_friction(layout)
-    path = np.zeros((len(LOOP), springs.slope.shape[2]))
-    path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
-    parameters = np.zeros(len(path) + spare_rows)
-    poses = np.zeros((parameters.size, path.shape[1]))
-    row_count = follow_path(springs, friction_elements, path, max_travel, parameters, poses)[1]
-    parameters, poses = parameters[:row_count], poses[:row_count]
-    load = np.stack([np.interp(parameters, range(len(path)), column) for column in path.T], axis=1)
+    load_path = np.zeros((len(LOOP), springs.slope.shape[2]))
+    load_path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
+    path_positions = np.zeros(len(load_path) + spare_rows)
+    poses = np.zeros((path_positions.size, load_path.shape[1]))
+    step_count = follow_path(springs, friction_elements, load_path, max_travel, path_positions, poses)[1]
+    path_positions, poses = path_positions[:step_count], poses[:step_count]
+    load = np.stack([np.interp(path_positions, range(len(load_path)), column) for column in load_path.T], axis=1)
     residual = load + np.array(list(_reference_forces(reference, friction_elements, poses)))
-    largest_load, label = np.abs(load).max(), f"{layout}, {row_count} steps"
+    largest_load, label = np.abs(load).max(), f"{layout}, {step_count} steps"
     deviations = [
         deviation_row(
             f"a loop with friction, {label}", load + largest_load, load + largest_load - residual, "N", SOURCE, 0.1
         )
     ]
-    if spare_rows > len(path):
+    if spare_rows > len(load_path):
         excess_travel = 1e6 * max(np.abs(np.diff(poses[:, -1])).max() - max_travel, 0.0)
         deviations.append(
             absolute(f"travel beyond the limit, {label}", excess_travel, 0.0, "um", "no step is longer", 0.0)

@@ -122,15 +122,15 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     for contact_index in range(read_int(state.ncon)):
         contact = contacts_address + state.stride * contact_index
         max_depth = max(max_depth, _compute_penetration(state, contact))
-        number, first_row = pair_of(state, contact), read_int(contact + state.efc_address)
-        if number == 0 or first_row < 0:
+        signed_pair_number, first_row = pair_of(state, contact), read_int(contact + state.efc_address)
+        if signed_pair_number == 0 or first_row < 0:
             continue
-        pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
+        pair_index, sign = abs(signed_pair_number) - 1, (1.0 if signed_pair_number > 0 else -1.0)
         force_address = forces_address + 8 * first_row
         speed_address = read_address(state.efc_vel) + 8 * first_row
         force_x = read_float(force_address) * read_float(contact + state.frame)
         force_y = read_float(force_address) * read_float(contact + state.frame + 8)
-        pair_columns = pair_table + 8 * sample_layout.OF_PAIR * pair
+        pair_columns = pair_table + 8 * sample_layout.OF_PAIR * pair_index
         for axis in range(1, read_int(contact + state.dim)):
             tangential_force, tangent_address = read_float(force_address + 8 * axis), contact + state.frame + 24 * axis
             force_x += tangential_force * read_float(tangent_address)
@@ -139,7 +139,7 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
                 pair_columns + 8 * sample_layout.FRICTION_POWER,
                 -tangential_force * read_float(speed_address + 8 * axis),
             )
-        origin_address = state.xpos + 24 * read_int(state.origin + 4 * pair)
+        origin_address = state.xpos + 24 * read_int(state.origin + 4 * pair_index)
         x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
         _add(pair_columns + 8 * sample_layout.FORCE_X, sign * force_x)
         _add(pair_columns + 8 * sample_layout.FORCE_Y, sign * force_y)

@@ -93,7 +93,7 @@ def union_heights(
     reach
         Height above the surface at which the search ends [m].
     seam
-        Gaps up to this width are ignored [m].
+        Width up to which a gap between two bodies is ignored [m], because it is due to rounding or to a grid.
     """
     line_index, line_start, line_end = _inside_intervals(points, normals, bodies, max(start, reach))
     heights = np.full(len(points), -start)

@@ -149,9 +149,9 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     if reducer.design.has_one_piece_crank:
         return
     key, parts = cam_key(reducer, casing), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
-    name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
+    name, seat_sizes = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
     if shrink_joint := shrink_fit(reducer, casing):
-        yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrink_joint.zones}, shrunk", *seats)
+        yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrink_joint.zones}, shrunk", *seat_sizes)
         return
     if spline := cam_spline(reducer):
         sizes_of_hub = gear.discs, spline.minor, gear.face_width
@@ -160,10 +160,10 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     if clamp := cam_clamp(reducer):
         holes = tuple(cross_holes(reducer, clamp))
         screws = cam_screws(reducer, clamp)
-        yield Joint(name, JointKind.CLAMPED, parts, (), (screws,), CLAMP_FIT, *seats, cross_holes=holes)
+        yield Joint(name, JointKind.CLAMPED, parts, (), (screws,), CLAMP_FIT, *seat_sizes, cross_holes=holes)
         return
     if key is None:
-        yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
+        yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seat_sizes)
         return
     stock_key = key.bought
     key_bottom = radius - stock_key.in_shaft
@@ -176,7 +176,7 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     key_part = BoughtPart(
         names.KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", stock_key.designation, "P9"
     )
-    yield Joint(name, JointKind.KEYED, parts, (), (key_part,), "H7/k6", *seats)
+    yield Joint(name, JointKind.KEYED, parts, (), (key_part,), "H7/k6", *seat_sizes)
 
 
 def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
@@ -186,26 +186,30 @@ def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
         return
     kind = JointKind.PRESSED if stock_bearing else JointKind.BEARING
     fit = cam_bearing_fit(reducer, stock_bearing[0]) if stock_bearing else "H6, rollers in the bore of the disc"
-    seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
-    yield Joint("cam bearings in the discs", kind, (names.CAM_BEARING, *reducer.gears), (), (), fit, *seats)
+    seat_sizes = gear.discs, 2.0 * gear.bore_radius, gear.face_width
+    yield Joint("cam bearings in the discs", kind, (names.CAM_BEARING, *reducer.gears), (), (), fit, *seat_sizes)
 
 
 def _ring_pin_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
-    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear."""
+    """Yield the connections of the ring pins with other parts (`Joint`); none for an internal gear.
+
+    Pins with sleeves are pressed into both covers, and the sleeves turn on them. Pins without sleeves are in sockets of
+    the housing, free or glued.
+    """
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.kind != "pin":
         return
     if ring.has_sleeves:
         yield _sleeve_pin_joint(reducer, casing)
-        seats = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
+        seat_sizes = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
         parts = names.PIN, names.PRESSED_PIN
-        yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seats)
+        yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seat_sizes)
         return
     fit = FREE_FIT if ring.has_sockets else RETAINED_FIT
     kind = JointKind.CLEARANCE if ring.has_sockets else JointKind.GLUED
     count, length = pin_pieces(reducer)
-    seats = count * ring.teeth, 2.0 * ring.pin_radius, length
-    yield Joint("ring pins in their sockets", kind, (names.PIN, names.HOUSING), (), (), fit, *seats)
+    seat_sizes = count * ring.teeth, 2.0 * ring.pin_radius, length
+    yield Joint("ring pins in their sockets", kind, (names.PIN, names.HOUSING), (), (), fit, *seat_sizes)
 
 
 def _sleeve_pin_joint(reducer: Reducer, casing: Casing) -> Joint:
@@ -220,8 +224,8 @@ def _sleeve_pin_joint(reducer: Reducer, casing: Casing) -> Joint:
         (names.OUTPUT_COVER, (centres, radius, casing.end, casing.end + depth)),
     )
     parts = names.PRESSED_PIN, names.MOTOR_COVER, names.OUTPUT_COVER
-    seats = 2 * ring.teeth, 2.0 * radius, depth
-    return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), sleeve_pin_fit(reducer), *seats)
+    seat_sizes = 2 * ring.teeth, 2.0 * radius, depth
+    return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), sleeve_pin_fit(reducer), *seat_sizes)
 
 
 def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
@@ -231,8 +235,8 @@ def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
         return
     diameter, disc_count = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
     parts = names.OUTPUT_PIN, *((names.OUTPUT, names.SECOND_OUTPUT)[:disc_count])
-    seats = output.pins * disc_count, diameter, output.disc_thickness
-    yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seats)
+    seat_sizes = output.pins * disc_count, diameter, output.disc_thickness
+    yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seat_sizes)
     if output.rollers:
         roller_seats = output.pins * gear.discs, diameter, gear.face_width
         parts = names.ROLLER, names.OUTPUT_PIN

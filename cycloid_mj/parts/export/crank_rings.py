@@ -56,10 +56,10 @@ def bearing_spacers(reducer: Reducer, casing: Casing) -> tuple[CrankRing, ...]:
     if casing.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
     outer_name, inner_name = names.all_numbered(names.BEARING_SPACER, 2)
-    ends, shaft = (far_seat[1], near_seat[0]), reducer.design.shaft.radius
+    ends, shaft_radius = (far_seat[1], near_seat[0]), reducer.design.shaft.radius
     return (
-        CrankRing(outer_name, casing.seat, *ends, shoulder_radius(casing.seat, shaft), names.HOUSING),
-        CrankRing(inner_name, shoulder_radius(shaft, casing.seat), *ends, shaft),
+        CrankRing(outer_name, casing.seat, *ends, shoulder_radius(casing.seat, shaft_radius), names.HOUSING),
+        CrankRing(inner_name, shoulder_radius(shaft_radius, casing.seat), *ends, shaft_radius),
     )
 
 

@@ -52,14 +52,17 @@ class OutputFlange:
 def size_output_flange(
     reducer: Reducer, hub: stock.StockBearing, retainer: Retainer | None, lip_height: float
 ) -> OutputFlange:
-    """Choose screws, dowels and thickness of the flange on the output's hub, or on its disc if that has the bearings.
+    """Choose screws, dowels and thickness of the output flange.
+
+    The flange is on the hub of the output, or on the output's disc if the output bearings are around the discs.
 
     Parameters
     ----------
     reducer, hub
-        The reducer, and the bearing around the hub or disc.
+        The reducer, and the bearing around this hub or disc.
     retainer
-        Ring that clamps the outer ring of the bearing, which the flange surrounds; None without.
+        Ring around the flange, which clamps the outer ring of the bearing; None without. The flange is thicker than the
+        retainer is high.
     lip_height
         Height by which the flange is thicker, to clear a lip of the output cover [m].
 

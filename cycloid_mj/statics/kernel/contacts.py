@@ -417,50 +417,57 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _find_foot_point(
-    trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
+    trochoid: tuple[float, float, float], phase: float, q: float, p: float, start_arc_ratio: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a displaced point on the `trochoid` (`KernelSprings`), by Newton's method with bisection.
+    """Find the foot point of a displaced point on a trochoid, by Newton's method with bisection.
 
-    The ideal contact is at the `phase` (N - 1) t [rad]. The point is displaced from it by q along the normal and p
-    along the tangent [m]; `normal_component` is 1 + curvature q. Returns whether there is a foot point nearby; distance
-    [m], cosine and sine of the angle by which the normal rotates, and rate of this angle by p [1/m].
+    `trochoid` is (E, c, N): pin-circle radius [m], eccentricity [m] and number of ring pins (`KernelSprings`). The
+    ideal contact is at the `phase` (N - 1) t [rad]. The point is displaced from it by q along the outward normal and p
+    along the tangent [m]. `start_arc_ratio` is 1 + curvature q there: arc length at the distance q per arc length on
+    the trochoid. The curvature is positive on the tips of the lobes.
+
+    Returns whether there is a foot point nearby; distance of the point from it [m], positive outwards; cosine and sine
+    of the angle by which the normal rotates, and rate of this angle by p [1/m].
     """
     E, c, N = trochoid
     # angles: a of the velocity, b = a + phase, t, and w = N t
     sine, cosine = math.sin(phase), math.cos(phase)
     sin_a, cos_a = c * N * sine, E - c * N * cosine
-    rate = math.sqrt(sin_a * sin_a + cos_a * cos_a)
-    sin_a, cos_a = sin_a / rate, cos_a / rate
+    start_speed = math.sqrt(sin_a * sin_a + cos_a * cos_a)
+    sin_a, cos_a = sin_a / start_speed, cos_a / start_speed
     sin_b, cos_b = sine * cos_a + cosine * sin_a, cosine * cos_a - sine * sin_a
     # first and second order of the arc by t
-    t = p / (rate * max(normal_component, 0.5))
-    t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
+    t = p / (start_speed * max(start_arc_ratio, 0.5))
+    t -= 0.5 * E * c * N * (N - 1.0) * sine / (start_speed * start_speed) * t * t
     t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
     min_t, max_t, converged = -math.inf, math.inf, FALSE
     for _ in range(_FOOT_POINT.max_iterations):
-        # cos_t and cos_w are cosines less 1; the halves of t and N t are less than a right angle
-        sine_half, sine_half_teeth = math.sin(0.5 * t), math.sin(0.5 * N * t)
-        sin_t, cos_t = 2.0 * sine_half * math.sqrt(1.0 - sine_half * sine_half), -2.0 * sine_half * sine_half
-        sin_w, cos_w = (
-            2.0 * sine_half_teeth * math.sqrt(1.0 - sine_half_teeth * sine_half_teeth),
-            -2.0 * sine_half_teeth * sine_half_teeth,
+        # without cancellation for small angles; the halves of t and w are less than a right angle
+        sin_half_t, sin_half_w = math.sin(0.5 * t), math.sin(0.5 * N * t)
+        sin_t, cos_t_minus_1 = (
+            2.0 * sin_half_t * math.sqrt(1.0 - sin_half_t * sin_half_t),
+            -2.0 * sin_half_t * sin_half_t,
+        )
+        sin_w, cos_w_minus_1 = (
+            2.0 * sin_half_w * math.sqrt(1.0 - sin_half_w * sin_half_w),
+            -2.0 * sin_half_w * sin_half_w,
         )
         # position x = u - w relative to the start, first (v) and second (a) derivative by t, along normal and tangent
-        u_q, u_p = E * (cos_a * cos_t - sin_a * sin_t), E * (sin_a * cos_t + cos_a * sin_t)
-        w_q, w_p = c * (cos_b * cos_w - sin_b * sin_w), c * (sin_b * cos_w + cos_b * sin_w)
+        u_q, u_p = E * (cos_a * cos_t_minus_1 - sin_a * sin_t), E * (sin_a * cos_t_minus_1 + cos_a * sin_t)
+        w_q, w_p = c * (cos_b * cos_w_minus_1 - sin_b * sin_w), c * (sin_b * cos_w_minus_1 + cos_b * sin_w)
         x_q, x_p = u_q - w_q, u_p - w_p
         v_q, v_p = -u_p - E * sin_a + N * (w_p + c * sin_b), u_q + E * cos_a - N * (w_q + c * cos_b)
         a_q, a_p = -u_q - E * cos_a + N * N * (w_q + c * cos_b), -u_p - E * sin_a + N * N * (w_p + c * sin_b)
-        square = v_q * v_q + v_p * v_p
+        speed_squared = v_q * v_q + v_p * v_p
         residual = (q - x_q) * v_q + (p - x_p) * v_p
         if residual > 0.0:
             min_t = t
         else:
             max_t = t
-        derivative = square - (q - x_q) * a_q - (p - x_p) * a_p
-        step = residual / max(derivative, 0.1 * square)
+        derivative = speed_squared - (q - x_q) * a_q - (p - x_p) * a_p
+        step = residual / max(derivative, 0.1 * speed_squared)
         step = min(max(step, -_FOOT_POINT.max_step / N), _FOOT_POINT.max_step / N)
-        by_newton = derivative > 0.1 * square and min_t <= t + step <= max_t
+        by_newton = derivative > 0.1 * speed_squared and min_t <= t + step <= max_t
         if not min_t <= t + step <= max_t:
             step = 0.5 * (min_t + max_t) - t
         converged = abs(step) < (_FOOT_POINT.newton_tolerance if by_newton else _FOOT_POINT.bisection_tolerance)
@@ -470,12 +477,12 @@ def _find_foot_point(
     # the last step is so short that its Taylor expansion is exact to rounding
     x_q, x_p = x_q + step * (v_q + 0.5 * step * a_q), x_p + step * (v_p + 0.5 * step * a_p)
     v_q, v_p = v_q + step * a_q, v_p + step * a_p
-    square = v_q * v_q + v_p * v_p
-    speed = math.sqrt(square)
+    speed_squared = v_q * v_q + v_p * v_p
+    speed = math.sqrt(speed_squared)
     n_q, n_p = v_p / speed, -v_q / speed
-    distance, curvature = (q - x_q) * n_q + (p - x_p) * n_p, -(a_q * n_q + a_p * n_p) / square
-    curvature_factor = 1.0 + curvature * distance
-    return converged and curvature_factor > 0.0, distance, n_q, n_p, curvature / curvature_factor
+    distance, curvature = (q - x_q) * n_q + (p - x_p) * n_p, -(a_q * n_q + a_p * n_p) / speed_squared
+    arc_ratio = 1.0 + curvature * distance
+    return converged and arc_ratio > 0.0, distance, n_q, n_p, curvature / arc_ratio
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
