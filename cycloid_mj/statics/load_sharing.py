@@ -1,5 +1,7 @@
 """Load sharing of springs with clearance that a common rotation closes: those of the pins of a disc, for example."""
 
+import math
+
 import numpy as np
 
 from cycloid_mj.base.array import Array
@@ -87,6 +89,6 @@ def _solve_rotation(
             moment += extra_arm * extra_clearance
             squared_arms += extra_arm * extra_arm
         next_rotation = moment / squared_arms
-        if not next_rotation < rotation * (1.0 - 1e-12):
+        if not next_rotation < rotation * (1.0 - math.copysign(1e-12, rotation)):
             return rotation, squared_arms
         rotation = next_rotation

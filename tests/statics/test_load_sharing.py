@@ -41,8 +41,10 @@ def test_a_protruding_spring_carries_what_balances_the_torque_with_all_others() 
             assert protruding[row, column] == pytest.approx(force, rel=1e-6, abs=1e-9)
 
 
-def test_a_small_torque_is_carried_by_the_protruding_spring_alone() -> None:
+@pytest.mark.parametrize("error", [ERROR, 2.0 * CLEARANCE])
+def test_a_small_torque_is_carried_by_the_protruding_spring_alone(error: float) -> None:
+    """A spring that protrudes by more than its clearance turns the part backwards, until it carries only the torque."""
     arms = np.array([[0.01, 0.02]])
-    protruding = protruding_forces(arms, np.ones(1), np.array([1e8]), CLEARANCE, np.array([1e-3]), ERROR)
+    protruding = protruding_forces(arms, np.ones(1), np.array([1e8]), CLEARANCE, np.array([1e-3]), error)
     assert protruding[0, 1] == pytest.approx(1e-3 / 0.02, rel=1e-12)
     assert math.isclose(protruding[0, 0], 1e-3 / 0.01, rel_tol=1e-12)
