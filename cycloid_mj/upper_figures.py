@@ -65,13 +65,13 @@ def _make_catalogue_entries(
     """
     return tuple(
         Figure(
-            key=(column := with_unit(key, unit)),
+            key=(key_with_unit := with_unit(key, unit)),
             name=name,
             unit=unit,
             definition=definition,
             need=need,
             function=f"cycloid_mj.{module}:{_FUNCTIONS.get(key, key)}",
-            aliases=() if key == column else _ALIASES.get(key, (key,)),
+            aliases=() if key == key_with_unit else _ALIASES.get(key, (key,)),
             exists=exists,
             layouts=layouts,
         )

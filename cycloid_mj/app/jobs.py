@@ -149,7 +149,7 @@ class Jobs:
         return job.as_json() | {"progress": {"doing": words}}
 
     def get(self, number: int) -> Job:
-        """Return the background job of the page with a number.
+        """Return the background job with this number that the page of the app started.
 
         Raises
         ------

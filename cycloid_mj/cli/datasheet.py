@@ -89,9 +89,10 @@ def _headline_keys(quantities: "Mapping[str, Quantity]") -> "Iterator[str]":
 
 
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
-    """Convert a data sheet to printable results: headline, tables, PDF and HTML page.
+    """Convert a data sheet to results for the terminal and for files: headline, tables, PDF and HTML page.
 
-    `destination` has the paths of the output files.
+    No file is written: the outcome contains the PDF as bytes and a function that creates the page. `destination` has
+    the paths of the output files.
     """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages

@@ -1333,10 +1333,11 @@ class Design(Section, Presented):
 
     @property
     def socket_play(self) -> float:
-        """Return the clearance of the housing around a ring pin or sleeve [m]; 0 for a pressed-in pin.
+        """Return the radial clearance of the housing around a loose ring pin or a sleeve [m]; 0 for other rings.
 
-        A pin with a sleeve is supported by the housing at both ends. The sleeve must not touch the housing, so its
-        clearance is `SHARES.sleeve_room` times its radius.
+        A loose pin has no sleeve; its clearance is `clearance.pin_socket`. A pin with a sleeve is supported by the
+        housing at both ends. The sleeve must not touch the housing, so its clearance is `SHARES.sleeve_room` times its
+        radius.
         """
         if self.ring.has_sleeves:
             return SHARES.sleeve_room * self.ring.pin_radius

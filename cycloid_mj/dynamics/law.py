@@ -164,8 +164,9 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
     perpendicular to it. `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances.
     The kinds in the result are teeth, such as ``pin_gear``, cams (crank bearings of an RV reducer) and seats of moving
     pins; kinds without friction are omitted. Discs orbit at the eccentricity c with the angular speed w: teeth and
-    seats slide at c w and accelerate by c w^2, a cam of radius r slides at r w. The tangent is impratio w m/creep, with
-    added mass m and creep of the law; on the cam, it is multiplied by c/r.
+    seats slide at c w and accelerate by c w^2, a cam of radius r slides at r w. The tangent is impratio w m/creep; on
+    the cam, it is multiplied by c/r. The creep of the law is the friction per sliding speed below Coulomb's limit
+    [N s/m]; its added mass m [kg] acts on the relative motion only (MuJoCo's 1/R, see the module).
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)

@@ -289,10 +289,11 @@ def write_tables(sweep: Sweep, folder: Path) -> None:
 
 
 def _describe_sweep(task: Task, points: Points) -> dict[str, Any]:
-    """Return JSON values that identify a sweep: ``design``, ``keys``, ``measures`` and ``options`` of its `task`, etc.
+    """Return JSON values that identify a sweep: its design, swept keys, points, computed quantities and options.
 
-    ``points`` has the number and a digest of the points, ``follows`` the formulas of linked keys, and ``versions`` the
-    versions of the packages.
+    ``design`` has the values of the design file. ``keys`` are the keys of the design file that are swept, ``measures``
+    the quantities computed at each point. ``points`` has the number and a digest of the points, ``follows`` the formula
+    of each key that is computed from the swept keys (a linked key), ``versions`` the versions of the packages.
     """
     return {
         "design": dump(task.reducer.design),

@@ -282,9 +282,10 @@ def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[
 def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter: float) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
-    The result has an array (n,) by key of the item, such as ``cam_bearing``. The limits are their lives, and their
-    static ratings at twice the output torque. `sizes` are the dimensions of the candidates, and `loads` their loads at
-    `loads.torque`. `diameter` is the outer diameter of the drives with covers [m].
+    The result has an array (n,) by key of the item. Keys such as ``cam_bearing`` have the torque at which the bearing
+    just reaches the required life, keys such as ``cam_bearing_static`` half the torque at which the load is its static
+    rating. `sizes` are the dimensions of n candidate drives, and `loads` their loads at `loads.torque`. `diameter` is
+    the outer diameter of the drives with covers [m]; the thinnest wall, and so the output bearing, depends on it.
     """
     disc_count, stack_width = design.gear.discs, _stack(sizes, design)
     megaturns = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6
@@ -293,40 +294,44 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
     near_load, far_load = loads.cam * far_arm / (near_arm + far_arm), loads.cam * near_arm / (near_arm + far_arm)
     if disc_count > 1:
         near_load = far_load = loads.cam * (stack_width - sizes.face) / (near_arm + far_arm)
-    max_outside = sizes.circle + sizes.pin
+    max_outer_radius = sizes.circle + sizes.pin
     hub_bearings = stock.thin_ball_bearings()
     min_wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
     min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - min_wall
     hub_index = np.minimum(
-        np.searchsorted([bearing.outside for bearing in hub_bearings], 2.0 * max_outside, side="right") - 1,
+        np.searchsorted([bearing.outside for bearing in hub_bearings], 2.0 * max_outer_radius, side="right") - 1,
         np.searchsorted([bearing.bore for bearing in hub_bearings], 2.0 * min_bore, side="right") - 1,
     )
-    dynamic, width, static, bore, outside = (
+    dynamic_rating, width, static_rating, bore, outer_diameter = (
         np.array([getattr(bearing, key) for bearing in hub_bearings])[np.maximum(hub_index, 0)]
         for key in ("dynamic", "width", "static", "bore", "outside")
     )
     is_plastic = design.material_of("gear").is_plastic
-    spacing = 1.5 * width if is_plastic else width + 0.5 * (bore + outside) * math.tan(stock.ANGULAR_CONTACT.angle)
+    spacing = (
+        1.5 * width if is_plastic else width + 0.5 * (bore + outer_diameter) * math.tan(stock.ANGULAR_CONTACT.angle)
+    )
     lever = stack_width / 2.0 + sizes.disc + width / 2.0
     if disc_count == 1:
         inner_load, outer_load = loads.pin_sum * (lever + spacing) / spacing, loads.pin_sum * lever / spacing
     else:
         inner_load = outer_load = loads.pin_sum * (stack_width - sizes.face) / spacing
     hub_load = np.hypot(inner_load, near_load)
-    roller_power, ball_power = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
+    roller_exponent, ball_exponent = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
     spin_ratios = np.maximum(sizes.eccentricity / np.maximum(sizes.stud, 1e-6), 1e-6)
     limits = {
-        "cam_bearing": sizes.cam_dynamic / megaturns**roller_power / loads.cam,
+        "cam_bearing": sizes.cam_dynamic / megaturns**roller_exponent / loads.cam,
         "cam_bearing_static": sizes.cam_static / (2.0 * loads.cam),
-        "shaft_bearing_near": sizes.shaft_dynamic / megaturns**roller_power / near_load,
+        "shaft_bearing_near": sizes.shaft_dynamic / megaturns**roller_exponent / near_load,
         "shaft_bearing_near_static": sizes.shaft_static / (2.0 * near_load),
-        "output_bearing_inner": dynamic / (megaturns / design.lobes) ** ball_power / hub_load,
-        "output_bearing_inner_static": static / (2.0 * hub_load),
-        "output_bearing_outer": dynamic / (megaturns / design.lobes) ** ball_power / np.maximum(outer_load, 1e-6),
-        "shaft_bearing_far": sizes.shaft_dynamic / megaturns**roller_power / np.maximum(far_load, 1e-6),
+        "output_bearing_inner": dynamic_rating / (megaturns / design.lobes) ** ball_exponent / hub_load,
+        "output_bearing_inner_static": static_rating / (2.0 * hub_load),
+        "output_bearing_outer": dynamic_rating
+        / (megaturns / design.lobes) ** ball_exponent
+        / np.maximum(outer_load, 1e-6),
+        "shaft_bearing_far": sizes.shaft_dynamic / megaturns**roller_exponent / np.maximum(far_load, 1e-6),
         "output_rollers": np.where(
             sizes.needle_dynamic > 0.0,
-            sizes.needle_dynamic / (megaturns * spin_ratios) ** roller_power / (0.5 * loads.pin),
+            sizes.needle_dynamic / (megaturns * spin_ratios) ** roller_exponent / (0.5 * loads.pin),
             1e9,
         ),
     }

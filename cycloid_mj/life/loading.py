@@ -178,8 +178,8 @@ def solve_loading(
     speed = cold_reducer.design.drive.speed
     if temperatures is not None:
         turning_reducer = cold_reducer.at_temperatures(temperatures)
-    crank = design.lobes * turn_evenly(reducer, crank_angles)
-    springs, torque = springs_of(turning_reducer, crank), math.copysign(abs(point.torque), speed)
+    evaluated_angles = design.lobes * turn_evenly(reducer, crank_angles)
+    springs, torque = springs_of(turning_reducer, evaluated_angles), math.copysign(abs(point.torque), speed)
     try:
         contact_loads = loads(turning_reducer, springs, torque)
         power = powers(turning_reducer, abs(point.torque), turn_evenly(reducer, min(crank_angles, POWER_POSES)))

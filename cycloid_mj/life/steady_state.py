@@ -293,9 +293,10 @@ def _relaxation(last_step: float, last_residual: Array | None, residual: Array, 
 
 
 def _find_obstacle(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> str:
-    """Return why a drive cannot have temperatures [°C] of its parts: a jam, or one is too hot; "" if it can.
+    """Return why a drive cannot run with its parts at these temperatures [°C]; "" if it can.
 
-    The parts of an RV reducer may lose their clearance, because they are then preloaded.
+    Either a part is hotter than the maximum that the `settings` permit, or thermal expansion closes a clearance. The
+    parts of an RV reducer may lose their clearance, because they are then preloaded.
     """
     if max(temperatures.values()) > settings.hottest:
         return f"a part is hotter than {settings.hottest:g} °C"

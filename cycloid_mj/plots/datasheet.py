@@ -250,8 +250,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve]) -> None:
     axes.tick_params(labelsize=6.5)
     low, high = float(values.min()), float(values.max())
     if low > 0.0:
-        lowest_value = 0.0 if low < 0.5 * high else 0.9 * low
-        axes.set_ylim(lowest_value, high + 0.08 * (high - lowest_value))
+        y_min = 0.0 if low < 0.5 * high else 0.9 * low
+        axes.set_ylim(y_min, high + 0.08 * (high - y_min))
     if len(curves) > 1:
         axes.legend(fontsize=6.0, frameon=False)
     axes.margins(x=0.04)

@@ -309,7 +309,8 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
 def _measure_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
     """Measure the efficiency [1] of a reduced joint in MuJoCo at the rated speed, under a share of the nominal torque.
 
-    `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
+    `reduced` is the reducer as a joint with springs, backlash and losses instead of parts. `driving` is True if the
+    crank drives, False if the output does; the result is 0 for a self-locking joint.
     """
     speed, torque = reduced.rated_speed, share * reduced.rated_torque
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)

@@ -159,9 +159,10 @@ def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
 def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
     """Return the URDF of a reduced joint: links, the actuated joint `drive`, and the play, a passive joint `output`.
 
-    The links have the masses of the reducer's parts. With `armature`, the simulator adds the crank's reflected inertia
-    to the actuated joint, so that no link has it, and the passive joint is named `PLAY`. At the level `rigid` there is
-    no play. All values are in SI units.
+    A reduced joint is a robot joint with springs, backlash and losses instead of a reducer with parts; its levels of
+    detail are `LEVELS`. The links have the masses of the reducer's parts. With `armature`, the simulator adds the
+    crank's reflected inertia to the actuated joint, so that no link has it, and the passive joint is named `PLAY`. At
+    the level `rigid` there is no play. All values are in SI units.
     """
     robot = ElementTree.Element("robot", name=reduced.name)
     robot.append(ElementTree.Comment(_describe_joint(reduced)))

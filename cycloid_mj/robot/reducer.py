@@ -66,14 +66,14 @@ class JointAddresses(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class ReducedJoint(Presented):
-    """A reducer as a joint.
+    """Model of a reducer as a robot joint: springs, backlash, losses and inertias instead of its parts.
 
     Attributes
     ----------
     name
         Name of the design.
     level
-        Level of detail in a model.
+        Level of detail in a model, see `Level`.
     ratio, way
         Turns of the crank per turn of the output, and -1 where the output turns against the crank.
     rated_torque, rated_speed

@@ -238,8 +238,9 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
     """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at n samples of a log.
 
     `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc. The result also has
-    the pose of the disc. Gaps of teeth are those in excess of the clearance; those of output pins follow from the
-    positions of their centres.
+    the pose of the disc. `opening` (n, mates) is the gap of each tooth minus the clearance: 0 if both are equal,
+    positive if the gap is wider. `output_away` (n, pins) is the distance of each output pin from the centre of its hole
+    minus the eccentricity: 0 if the gap is equal to the clearance, positive if it is narrower.
     """
     poses_by_part = poses(reducer, columns)
     disc_poses = poses_by_part[gears(reducer.design.gear.discs)[disc]]

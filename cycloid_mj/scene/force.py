@@ -164,8 +164,8 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
     """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, mates); None for an internal gear.
 
-    `columns` are log columns by name, shape (n,), in SI units. `disc` is the index of the disc. The halves of a ring
-    share the load equally.
+    `columns` are log columns by name, shape (n,), in SI units. `disc` is the index of the disc. The mates are the pins
+    of the ring; if the ring is split axially into halves, the pins of both halves, which share the load equally.
     """
     design = reducer.design
     if design.ring.kind != "pin":

@@ -219,8 +219,9 @@ RAISED_FRICTION = 1.1
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
     """Compute how fast the contact forces grow with friction: their relative growth over that of the coefficients [1].
 
-    A second equilibrium is solved with all friction coefficients times `RAISED_FRICTION`, and both friction losses are
-    compared (`loss_growth`). The growth is therefore a mean over the contacts, weighted by their losses.
+    A second equilibrium is solved with all friction coefficients times k = `RAISED_FRICTION`. With the friction losses
+    P and P_k of both, the growth is (P_k/(k P) - 1)/(k - 1), which is 0 if the forces do not change. It is therefore a
+    mean over the contacts, weighted by their losses.
 
     Parameters
     ----------

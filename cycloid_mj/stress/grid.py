@@ -78,7 +78,7 @@ class GridSettings:
     solid: bool = False
 
     def __post_init__(self) -> None:
-        """Raise UsageError for a setting of the finite-element grid that is not positive."""
+        """Raise UsageError if a number among the settings is not positive; `solid`, a yes or no, is exempt."""
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
                 raise UsageError(

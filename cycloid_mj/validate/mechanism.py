@@ -247,9 +247,9 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
     fit = best_fit(reducer, BALANCE.crank)
-    relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
-    cam_gaps = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
-    min_gap = np.array([min(*cam_gaps, *exact_gaps(reducer, relative_angle, unknowns))])
+    relative_angle, pose = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
+    cam_gaps = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, pose), axis=1)
+    min_gap = np.array([min(*cam_gaps, *exact_gaps(reducer, relative_angle, pose))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
     return [deviation_row(name, 1e6 * np.array([fit.min_gap]), 1e6 * min_gap, "um", "exact curves", bound)]
 
@@ -263,15 +263,15 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, tooth_count = best_fit(reducer, BALANCE.crank), design.ring.teeth
-    relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
+    relative_angle, pose = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
     is_shifted = np.any(fit.pin_shift, axis=1)
-    disc_gaps = exact_gaps(reducer, relative_angle, unknowns, fit.pin_shift)[: design.gear.discs * tooth_count].reshape(
+    disc_gaps = exact_gaps(reducer, relative_angle, pose, fit.pin_shift)[: design.gear.discs * tooth_count].reshape(
         -1, tooth_count
     )
-    front_gaps = disc_gaps.min(axis=0)[is_shifted]
+    nearest_disc_gaps = disc_gaps.min(axis=0)[is_shifted]
     seat_gaps = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[is_shifted]
     name = ", ".join(("free pins between disc and socket", *changes))
-    return [deviation_row(name, 1e6 * front_gaps, 1e6 * seat_gaps, "um", "exact curves", bound)]
+    return [deviation_row(name, 1e6 * nearest_disc_gaps, 1e6 * seat_gaps, "um", "exact curves", bound)]
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:

@@ -51,7 +51,7 @@ def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
     """Return the parts of the casing, such as ``names.MOTOR_COVER``, as cylinders with holes and pockets, by name.
 
     The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
-    adds to them.
+    adds to them. Bought parts, such as screws, are included.
     """
     joints = drive_joints(reducer, casing)
     bodies = {
@@ -68,11 +68,11 @@ def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
     for ring in (*crank_rings(reducer, casing), *bearing_spacers(reducer, casing)):
         bore = AXIS, ring.bore, ring.low, ring.high
         parts[ring.name] = RoundPart(names.SHAFT, ((ring.radius, ring.low, ring.high),), (bore,))
-    for name, (material, rounds) in bodies.items():
+    for name, (material, cylinders) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
-        if holes or rounds:
+        if holes or cylinders:
             pockets = _motor_pocket(casing) if name == names.MOTOR_COVER else ()
-            parts[name] = RoundPart(material, rounds, holes, pockets=pockets)
+            parts[name] = RoundPart(material, cylinders, holes, pockets=pockets)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
 

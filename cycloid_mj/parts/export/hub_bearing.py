@@ -129,10 +129,10 @@ def needs_stop_ring(reducer: Reducer) -> bool:
 
 
 def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
-    """Raise DesignError if a design cannot have bearings of the output around both of its discs.
+    """Raise DesignError if a design cannot have bearings around both output discs, the flanges of the output pins.
 
-    It needs a second disc, which supports the pins, and paired bearings; with a contact angle, also space for a stop
-    ring, whose outer radius is at most `stop_ring_radius` [m].
+    It needs a second output disc, which supports the pins, and paired bearings; with a contact angle, also space for a
+    stop ring, whose outer radius is at most `stop_ring_radius` [m].
     """
     design = reducer.design
     if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
