@@ -133,7 +133,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     ``rows`` has name, value and note of each quantity in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
     powers of crank and output, and of each source of friction [W]. `required` are the values in the start form of the
     app by the field names in `REQUIREMENTS`, such as ``{"backlash_arcmin": 3.0}``. ``verdicts`` compares the backlash
-    with that field only; it is empty without it. The other keys are ``condition`` (the load, in words),
+    with that field only; it is empty without it. The other keys are ``condition`` (load, speed etc. in words),
     ``backlash_arcmin`` and ``assumptions`` (sentences). The errors that `quick_sheet` raises are not caught.
     """
     design = reducer.design
