@@ -50,7 +50,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     trial, length_changes = _search_longer(requirement, failed)
     if trial:
         return trial, Answer(trial.pool.requirement, ()), None
-    pool, drive = _find_strongest(failed)
+    pool, drive = _find_strongest(requirement, failed)
     if drive and drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         pool = pool.with_torque(requirement.torque)
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
@@ -73,20 +73,18 @@ def search_pools(
     return None, failed
 
 
-def _find_strongest(pools: Sequence[Pool]) -> tuple[Pool, Rated | None]:
-    """Find the drive with the largest torque in some pools, and its pool; None if no drive passes its study.
+def _find_strongest(requirement: Requirement, pools: Sequence[Pool]) -> tuple[Pool, Rated | None]:
+    """Find the drive with the largest torque for a requirement, and its pool; None if no drive passes its study.
 
-    The pools keep their ratings so far, so that the search continues that for a torque (`find_drive`). The search in
-    the pool with the largest rated torque is followed by short searches in all pools for `EXCESS` times the torque,
-    until one fails.
+    The search continues in the `pools` that were searched for the required torque, with their ratings. As it can miss
+    drives that a search for a given torque finds, new searches for `EXCESS` times the torque follow, until one fails.
     """
     max_torque = QUANTITIES["torque"].high
     pools = sorted((pool.with_torque(max_torque) for pool in pools), key=_rated_merit, reverse=True)
     results = ((pool, drive) for pool in pools if (drive := pool.best(strongest(pool.requirement))))
     pool, drive = next(results, (pools[0], None))
     while drive and EXCESS * (drive := pool.nearer_to_capacity(drive)).torque <= max_torque:
-        pools = [other.with_torque(floor_digits(EXCESS * drive.torque)) for other in pools]
-        stronger, _ = search_pools(pools, max_evaluations=SETTINGS.few_ratings)
+        stronger, _ = search_pools(create_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque))))
         if not stronger:
             break
         pool, drive = stronger.pool.with_torque(max_torque), stronger.best
