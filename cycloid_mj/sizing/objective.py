@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import ndtr
@@ -32,10 +32,6 @@ class Objective:
 
     key: str
     limits: Mapping[str, float]
-
-    def with_limit(self, value: float) -> "Objective":
-        """Return the objective with a `value` of its own figure as a further limit."""
-        return replace(self, limits={**self.limits, self.key: value})
 
     def merit(self, figures: Mapping[str, Array | float]) -> Array:
         """Return the logarithm of the quantity of each candidate, shape (n,), negative if it is minimized."""

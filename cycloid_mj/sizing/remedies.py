@@ -17,8 +17,9 @@ from cycloid_mj.sizing.search import SETTINGS, Pool, create_pool
 from cycloid_mj.sizing.solve import (
     LENGTH_WORDS,
     create_pools,
+    find_drive,
+    is_feasible,
     least_length,
-    search_pools,
 )
 
 MIN_SPEED = 30.0 * RPM
@@ -106,24 +107,23 @@ class RemedySearch:
 
     def _rate(self, changed: Requirement) -> float:
         """Return the largest torque that the ratings so far and a few more show, with the effect of a study [N m]."""
-        return _find_torque(create_pools(changed, self.pool), study=False)
-
-    def _verify(self, changed: Requirement) -> float:
-        """Return the largest torque that the first evaluations of a new search show with tolerance studies [N m]."""
-        return _find_torque(create_pools(changed), study=True)
+        torque = 0.0
+        for pool in create_pools(changed, self.pool):
+            if drive := find_drive(pool, study=False, max_evaluations=SETTINGS.few_ratings):
+                return drive.capacity
+            torque = max(torque, pool.rated_torque)
+        return torque
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest of several changes of a requirement that makes it feasible; nothing if there is none.
 
         `changes` are sorted from the smallest. The first one whose predicted torque suffices is rated, and the ratio of
-        rated to predicted torque corrects the predictions, until one change suffices and the next smaller one does not;
-        after two sufficient changes, by bisection. Where none is predicted to suffice any more, steps grow by a factor
-        of four (galloping search). The first evaluations of a new search verify the result. If they fail, the next
-        change is larger in proportion to the missing torque.
+        rated to predicted torque corrects the predictions, until one change suffices and the next smaller one does not.
+        Where none is predicted to suffice any more, steps double (galloping search). Complete searches, as for a new
+        requirement, verify the result.
         """
         predict = cache(lambda index: self._predict(changes[index].requirement))
-        count = _count_buildable(predict, len(changes))
-        scale, successes, low, high = self.scale, 0, 0, count
+        scale, low, high = self.scale, 0, _count_buildable(predict, len(changes))
         for probe in range(MAX_PROBES):
             if low == high:
                 break
@@ -131,37 +131,14 @@ class RemedySearch:
             index = _first_above(predict, required / max(scale, 1e-9), low, high)
             if index == high < len(changes):
                 index = high - 1
-            elif index < high and successes > 1:
-                index = (low + high) // 2
             elif index == high and probe:  # larger changes may suffice, although they are not predicted to
-                index = min(low - 1 + 4**probe, high - 1)
+                index = min(low - 1 + 2 ** (probe - 1), high - 1)
             elif index == high:
                 break
             torque = self._rate(changes[index].requirement)
             scale = torque / max(predict(index), 1e-9)
-            successes += torque >= required
             low, high = (low, index) if torque >= required else (index + 1, high)
-        for _ in range(MAX_VERIFICATIONS if high < count else 0):
-            torque = self._verify(changes[high].requirement)
-            if torque >= required:
-                yield changes[high]
-                return
-            needed = predict(high) * required / max(torque, 1e-9)
-            high = max(_first_above(predict, needed, high + 1, count), high + 1)
-            if high >= count:
-                return
-
-
-def _find_torque(pools: Iterator[Pool], *, study: bool) -> float:
-    """Return a torque [N m] of the first drive that meets the requirement of its pool, after few evaluations of each.
-
-    If there is none, it is the largest torque that the evaluations show, below the required one. With `study`, the
-    drive has passed its tolerance study.
-    """
-    trial, failed = search_pools(pools, study=study, max_evaluations=SETTINGS.few_ratings)
-    if trial:
-        return trial.best.capacity
-    return max((min(pool.rated_torque, math.nextafter(pool.requirement.torque, 0.0)) for pool in failed), default=0.0)
+        yield from first_feasible(changes[high:], is_feasible)
 
 
 def _count_buildable(predict: Callable[[int], float], count: int) -> int:

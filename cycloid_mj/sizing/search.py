@@ -56,10 +56,9 @@ class SearchSettings:
         each direction, in a geometric series.
     iterations, consistency
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
-    ratings, few_ratings
-        Most candidates that a search rates (0.06 to 0.2 s of CPU each), and that of a remedy or for efficiency rates.
-    ratings_per_study
-        Number of these candidates for each of which a search may have one tolerance study (0.6 to 4 s each).
+    ratings, few_ratings, studies
+        Most candidates that a search rates (0.06 to 0.2 s of CPU each), that of a remedy or for efficiency rates, and
+        most tolerance studies (0.6 to 4 s each).
     strong
         Candidates of each estimate of the torque among which remedies are searched.
     likely
@@ -98,7 +97,7 @@ class SearchSettings:
     ratings: int = 40
     few_ratings: int = 8
     strong: int = 60
-    ratings_per_study: int = 5
+    studies: int = 8
     likely: float = 0.7
     reach: float = 0.3
     first_error: float = 3.0
@@ -175,32 +174,33 @@ def rate_drive(
     sample
         Index of the tolerance sample that determines the tooth forces; emergency stops and joints of metal drives are
         then left out, and heat is rated with the friction at 20 °C instead of that in the steady state, which would
-        take three times as long. By default, the rating is that of `rate`, within the tolerances; stops, joints and
-        heat are left out if the drive does not carry the torque without them.
+        take three times as long. By default, the rating is that of `rate`, within the tolerances.
     poses
         Number of crank angles of a turn at which tooth forces are computed.
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
-    parts: Parts = "toleranced" if zones and sample is None else "perfect"
     try:
         if zones and sample is not None:
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
-        for is_complete in (False, True) if sample is None else (False,):
-            stops = is_complete or Material(name=requirement.made_of).is_plastic
-            duty, life = requirement.duty_at(torque), requirement.life
-            rating = rate(design, duty, life, poses=poses, stops=stops, parts=parts, steady=is_complete)
-            keys = [key for key in rating.items if sample is not None or is_complete or key != "temperature"]
-            items = [rating.items[key] for key in keys if rating.items[key].decisive]
-            limits = torque_limits(items, torque, life)
-            if min(limits.values()) < torque:
-                break
+        parts: Parts = "toleranced" if zones and sample is None else "perfect"
+        with_stops = sample is None or Material(name=requirement.made_of).is_plastic
+        rating = rate(
+            design,
+            requirement.duty_at(torque),
+            requirement.life,
+            poses=poses,
+            stops=with_stops,
+            parts=parts,
+            steady=sample is None,
+        )
         low, high = casing(loaded, requirement.motor).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
         if requirement.backlash < math.inf:
             figures["backlash"] = figure("backlash_arcmin").value(Reducer(design))
     except CycloidError:
         return None
+    limits = torque_limits((item for item in rating.items.values() if item.decisive), torque, requirement.life)
     return Rated(loaded, torque, {**limits, **figures}, min(limits.values()), rating.items)
 
 
@@ -293,13 +293,6 @@ class Pool:
         pool = self.of(requirement, self.points)
         return pool and replace(pool, samples=self.samples, corrections=self.corrections, biases=self.biases)
 
-    def with_torque(self, torque: float) -> Self:
-        """Return the pool with its ratings for another required torque [N m]; drives have to pass a study again."""
-        rated = {row: drive and replace(drive, passed=False) for row, drive in self.rated.items()}
-        return replace(
-            self, requirement=self.requirement.but(torque=torque), rated=rated, extended=self.extended.copy()
-        )
-
     @property
     def strong_part(self) -> Self:
         """Return the candidates with the largest estimated torques as a new pool, without computed limits.
@@ -375,53 +368,46 @@ class Pool:
     def best(
         self,
         objective: Objective,
-        goal: float | None = None,
+        goal: float = math.nan,
         *,
         study: bool = True,
         max_evaluations: int = SETTINGS.ratings,
     ) -> Rated | None:
         """Search for the best drive by an objective, such as mass, or the first that reaches `goal`; None without one.
 
-        `goal` is a value of the quantity of the objective, in its unit. The candidate with the largest expected
-        improvement is evaluated by the full computation, again and again, until no improvement is expected, the goal is
-        improbable, or `max_evaluations` candidates are evaluated (efficient global optimization: Jones, Schonlau and
-        Welch, J. Global Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to
-        the candidates. With `study`, the tolerance study of the best drive follows. If it fails, the search continues.
-        The result is within all limits of the objective.
+        `goal` is a value of the quantity of the objective, in its unit; NaN: none. The candidate with the largest
+        expected improvement is evaluated by the full computation, again and again, until no improvement is expected or
+        `max_evaluations` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
+        Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
+        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
+        within all limits of the objective.
         """
-        target_merit = -math.inf if goal is None else float(objective.merit({objective.key: goal}))
+        target_merit = objective.merit({objective.key: goal})
         ratings, studies = 0.0, 0
         while True:
             figures, scale = self._known_quantities()
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
             best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
-            is_sufficient = goal is not None and best >= target_merit
-            if not is_sufficient and ratings < max_evaluations:
-                cost = self._search_step(objective, goal, figures, scale, row, best)
+            if not best >= target_merit and ratings < max_evaluations:
+                cost = self._search_step(objective, figures, scale, row, best)
                 if cost is not None:
                     ratings += cost
                     continue
-            if row is None or best == -math.inf or best < target_merit:
+            if row is None or not math.isfinite(best):
                 return None
             drive = self.rated[row]
             if not study or (drive and drive.passed):
                 return drive
-            if studies == math.ceil(max_evaluations / SETTINGS.ratings_per_study):
+            if studies == SETTINGS.studies:
                 passed = [index for index, drive in self.rated.items() if drive and drive.passed]
-                passed = [index for index in passed if excesses[index] <= 0.0 and merits[index] >= target_merit]
+                passed = [index for index in passed if excesses[index] <= 0.0]
                 return self.rated[max(passed, key=lambda index: merits[index])] if passed else None
             studies += 1
             self.study(row)
 
     def _search_step(
-        self,
-        objective: Objective,
-        goal: float | None,
-        figures: Estimate,
-        scale: Array,
-        row: int | None,
-        best: float,
+        self, objective: Objective, figures: Estimate, scale: Array, row: int | None, best: float
     ) -> float | None:
         """Do one step of the search of `best`: evaluate the most promising candidate, or add neighbours of the best.
 
@@ -430,8 +416,8 @@ class Pool:
 
         Parameters
         ----------
-        objective, goal
-            Quantity to be improved, such as mass, and the value that is sufficient, if there is one.
+        objective
+            Quantity to be improved, such as mass.
         figures, scale
             Results of `_known_quantities`.
         row, best
@@ -440,17 +426,14 @@ class Pool:
         Returns
         -------
         float or None
-            The number of evaluations, 0 for neighbours; None if no improvement is expected, or the goal is improbable.
+            The number of evaluations, 0 for neighbours; None if no improvement is expected.
         """
         is_within = math.isfinite(best)
         if row is not None and is_within and self._add_neighbours(row):
             return 0.0
         improvements = objective.expected_improvement(figures, scale, best)
         if row is None and SETTINGS.build_share * len(self.rated) < SETTINGS.few_ratings:
-            improvements = np.exp(1e-3 * objective.merit(figures) - objective.excess(figures))
-        elif goal is not None:
-            reach = objective.with_limit(goal).expected_improvement(figures, scale, -math.inf)
-            improvements[reach < SETTINGS.min_probability] = 0.0
+            improvements = 1.0 / (1.0 + objective.excess(figures))
         improvements[list(self.rated)] = 0.0
         candidate = int(np.argmax(improvements))
         if improvements[candidate] > (SETTINGS.min_improvement if is_within else SETTINGS.min_probability):
@@ -615,13 +598,12 @@ def create_pool(requirement: Requirement, source: Pool | None = None) -> Pool | 
     """Search good, diverse candidates for a requirement, and return this pool; None if no drive can be built.
 
     The factors by which computed ratings correct the estimates of capacity, mass and so on are shared with the pool
-    `source`, if there is one, and so are the likely critical samples of drives with the same number of discs.
+    `source`, if there is one.
     """
     pool = Pool.of(requirement, _find_elites(requirement.kind))
     if not pool:
         return None
-    has_same_samples = source and source.requirement.discs == requirement.discs
-    pool.samples = source.samples if source and has_same_samples else _find_likely_critical_samples(requirement.kind)
+    pool.samples = _find_likely_critical_samples(requirement.kind)
     return replace(pool, corrections=source.corrections, biases=source.biases) if source else pool
 
 

@@ -1,7 +1,7 @@
 """Drives for a requirement over its numbers of discs and clearances, or the maximum torque and its limit."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -42,7 +42,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         it, and the smallest feasible length as a remedy; and the pool of the drive with this torque, or None if there
         are no candidates.
     """
-    trial, failed = search_pools(create_pools(requirement))
+    trial, failed = _search_pools(requirement)
     if trial:
         return Trial(trial.pool, trial.pool.lightest() or trial.best), Answer(trial.pool.requirement, ()), None
     if not failed:
@@ -50,66 +50,58 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     trial, length_changes = _search_longer(requirement, failed)
     if trial:
         return trial, Answer(trial.pool.requirement, ()), None
-    pool, drive = _find_strongest(requirement, failed)
+    pool, drive = _find_strongest(requirement)
     if drive and drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
-        pool = pool.with_torque(requirement.torque)
+        pool = pool.changed(pool.requirement.but(torque=requirement.torque)) or pool
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
     most = drive.torque if drive else 0.0
     return None, Answer(requirement, (), most, _describe_torque_limit(pool), length_changes), pool
 
 
-def search_pools(
-    pools: Iterable[Pool], *, study: bool = True, max_evaluations: int = SETTINGS.ratings
-) -> tuple[Trial | None, list[Pool]]:
-    """Return the first drive that meets the requirement of its pool, or None, and the pools searched before in vain.
-
-    See `find_drive` for `study` and `max_evaluations`, which apply to each pool.
-    """
+def _search_pools(requirement: Requirement) -> tuple[Trial | None, list[Pool]]:
+    """Return the first drive that meets a requirement, or None, and the pools of candidates searched before in vain."""
     failed: list[Pool] = []
-    for pool in pools:
-        if drive := find_drive(pool, study=study, max_evaluations=max_evaluations):
+    for pool in create_pools(requirement):
+        if drive := find_drive(pool, study=True):
             return Trial(pool, drive), failed
         failed.append(pool)
     return None, failed
 
 
-def _find_strongest(requirement: Requirement, pools: Sequence[Pool]) -> tuple[Pool, Rated | None]:
+def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     """Find the drive with the largest torque for a requirement, and its pool; None if no drive passes its study.
 
-    The search continues in the `pools` that were searched for the required torque, with their ratings. As it can miss
-    drives that a search for a given torque finds, new searches for `EXCESS` times the torque follow, until one fails.
+    The required torque does not influence the result, so that every refusal states the same maximum. A search for the
+    largest torque can miss drives that a search for a given torque finds, so it is followed by searches for `EXCESS`
+    times the torque, until one fails.
     """
-    max_torque = QUANTITIES["torque"].high
-    pools = sorted((pool.with_torque(max_torque) for pool in pools), key=_rated_merit, reverse=True)
+    unlimited = requirement.but(torque=QUANTITIES["torque"].high)
+    pools = sorted(create_pools(unlimited), key=_rated_merit, reverse=True)
     results = ((pool, drive) for pool in pools if (drive := pool.best(strongest(pool.requirement))))
     pool, drive = next(results, (pools[0], None))
-    while drive and EXCESS * (drive := pool.nearer_to_capacity(drive)).torque <= max_torque:
-        stronger, _ = search_pools(create_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque))))
+    drive = drive and pool.nearer_to_capacity(drive)
+    while drive and EXCESS * drive.torque <= unlimited.torque:
+        stronger, _ = _search_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque)))
         if not stronger:
             break
-        pool, drive = stronger.pool.with_torque(max_torque), stronger.best
+        pool, drive = stronger.pool, stronger.best
     return pool, drive
 
 
-def find_drive(pool: Pool, *, study: bool = True, max_evaluations: int = SETTINGS.ratings) -> Rated | None:
+def find_drive(pool: Pool, *, study: bool, max_evaluations: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool of candidates that carries the required torque within the limits; None if there is none.
 
     With `study`, it must pass its tolerance study; otherwise its computed torque limit is sufficient. At most
-    `max_evaluations` candidates are evaluated. The strongest drive is searched until one carries the torque; if the
-    length is limited, then the shortest, until one is short enough. Neither limit enters the search otherwise, so that
-    a drive which is found at one limit is found at all less strict ones.
+    `max_evaluations` candidates are evaluated. If the length is limited, the shortest drive is searched until one is
+    short enough. The limit does not enter the search otherwise, so that a drive which is found at one limit is found at
+    all larger ones.
     """
     requirement = pool.requirement
-    without_length_limit, is_limited = requirement.but(length=math.inf), requirement.length < math.inf
-    drive = pool.best(
-        strongest(without_length_limit),
-        requirement.torque,
-        study=study and not is_limited,
-        max_evaluations=max_evaluations,
-    )
-    if drive and is_limited:
-        return pool.best(shortest(requirement), requirement.length, study=study, max_evaluations=max_evaluations)
-    return drive
+    torque, without_length_limit = requirement.torque, requirement.but(length=math.inf)
+    drive = pool.best(strongest(without_length_limit, torque), torque, study=study, max_evaluations=max_evaluations)
+    if drive and drive.figures["length"] > requirement.length:
+        drive = pool.best(shortest(requirement), requirement.length, study=study, max_evaluations=max_evaluations)
+    return drive if drive and drive.capacity >= torque and drive.figures["length"] <= requirement.length else None
 
 
 def _rated_merit(pool: Pool) -> float:
@@ -119,8 +111,7 @@ def _rated_merit(pool: Pool) -> float:
     none can be evaluated. Tolerance studies are left out.
     """
     objective = strongest(pool.requirement)
-    missing_ratings = SETTINGS.few_ratings - len(pool.rated)
-    drive = pool.best(objective, study=False, max_evaluations=missing_ratings) or pool.nearest(objective)
+    drive = pool.best(objective, study=False, max_evaluations=SETTINGS.few_ratings) or pool.nearest(objective)
     if not drive:
         return -math.inf
     excess = float(objective.excess({"capacity": drive.capacity, **drive.figures}))
@@ -136,7 +127,7 @@ def _search_longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[Tri
     length = least_length(pools) if requirement.length < math.inf else math.inf
     if not requirement.length < length < math.inf:
         return None, ()
-    trial, _ = search_pools(create_pools(requirement.but(length=length)))
+    trial, _ = _search_pools(requirement.but(length=length))
     if trial:
         drive = trial.pool.lightest() or trial.best
         if drive.figures["length"] <= requirement.length:
@@ -151,13 +142,18 @@ def least_length(pools: Iterable[Pool]) -> float:
 
     The length is rounded up.
     """
-    drives = [pool.best(shortest(pool.requirement)) for pool in pools]
+    drives = [pool.best(shortest(pool.requirement), max_evaluations=SETTINGS.few_ratings) for pool in pools]
     return min((_round_up_length(drive.figures["length"]) for drive in drives if drive), default=math.inf)
 
 
 def _round_up_length(length: float) -> float:
     """Round a length [m] up to tenths of a millimetre."""
     return math.ceil(1e4 * length) / 1e4
+
+
+def is_feasible(requirement: Requirement) -> bool:
+    """Return whether a new search finds a drive that meets a requirement, without looking for the lightest."""
+    return any(find_drive(pool, study=False) and find_drive(pool, study=True) for pool in create_pools(requirement))
 
 
 def create_pools(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
@@ -187,8 +183,6 @@ def _describe_torque_limit(pool: Pool) -> str:
     if not drive:
         return "its teeth skip under any load, or no drive can be balanced"
     if drive.figures["length"] > requirement.length:
-        objective = shortest(requirement.but(torque=QUANTITIES["torque"].low))
-        drive = pool.best(objective, study=False, max_evaluations=SETTINGS.few_ratings) or drive
         return (
             f"no drive is shorter than {MILLIMETRES * drive.figures['length']:.4g} mm ({length_parts(drive.reducer)})"
         )
