@@ -1,6 +1,5 @@
 """The data sheet of a reducer as manufacturers publish it, each figure with its condition."""
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -57,6 +56,7 @@ from cycloid_mj.life.sheet_rows import (
     no_load_curves,
     nominal_torque_row,
     ratio_row,
+    thermal_torque_row,
     torques_without_load,
     warm_text,
     with_interval,
@@ -473,11 +473,9 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     """
     if reducer.design.thermal.applied:
         return
-    thermal_state = replace(thermal(reducer.design), momentary_torque=momentary_torque(reducer)[0])
+    thermal_state = thermal(reducer.design)
     condition = f"{thermal_state.condition}; conductances assumed"
-    if math.isfinite(thermal_state.torque):
-        limit_note = f"{condition}; limit: {thermal_state.torque_words}"
-        yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=limit_note)
+    yield from thermal_torque_row(reducer, thermal_state, condition)
     jam_note = f"{condition}; {thermal_state.jam_difference:.3g} K close the teeth"
     yield Quantity("disc_over_ring", "Disc warmer than the ring", thermal_state.difference, "K", note=jam_note)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from cycloid_mj.life.sheet_rows import (
     figure_row,
     nominal_torque_row,
     ratio_row,
+    thermal_torque_row,
     warm_text,
     with_interval,
     with_name,
@@ -226,10 +227,7 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
         note=f"housing; {hottest_part} {temperatures[hottest_part] - temperatures['housing']:.3g} K warmer; "
         f"{condition}",
     )
-    if math.isfinite(thermal_state.torque):
-        limit_text = replace(thermal_state, momentary_torque=momentary_torque(reducer)[0]).torque_words
-        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {limit_text}"
-        yield Quantity("thermal_torque", "Thermal torque limit", thermal_state.torque, "N m", note=note)
+    yield from thermal_torque_row(reducer, thermal_state, f"{describe_speed(reducer)}, {cooling_text}")
     if math.isfinite(speed := permissible_speed(reducer.design, 1.0)):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
         yield Quantity("continuous_speed_rpm", "Continuous input speed", speed / RPM, "rpm", note=note)

@@ -21,9 +21,11 @@ from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import GREASE, NoLoadTorque, grease_of, no_load_torque
+from cycloid_mj.life.rated import momentary_torque
 from cycloid_mj.life.steady_state import solve_steady_state
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_limits import find_rise_limit
+from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.bearings import bearing_clearances
@@ -299,6 +301,17 @@ def backlash_with_bearings(reducer: Reducer) -> Iterator[Quantity]:
     play_text = ", ".join(f"{key} {1e6 * play:.3g} um ({fit})" for key, (fit, play) in added_clearances.items())
     note = f"without load, mean over a turn; mean radial play of needles and rollers added: {play_text}"
     yield with_name(replace(backlash, key="backlash_with_bearings"), "Backlash, with bearings", note)
+
+
+def thermal_torque_row(reducer: Reducer, state: ThermalState, condition: str) -> Iterator[Quantity]:
+    """Yield the row of the thermal torque limit [N m] in a thermal `state` of a drive; nothing if it is infinite.
+
+    The note has the `condition`, what limits the torque, and a smaller momentary torque.
+    """
+    if math.isfinite(state.torque):
+        limit_text = replace(state, momentary_torque=momentary_torque(reducer)[0]).torque_words
+        note = f"{condition}; limit: {limit_text}"
+        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
 
 
 def mounting_rows(reducer: Reducer, efficiency: float) -> Iterator[Quantity]:

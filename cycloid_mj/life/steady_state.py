@@ -236,10 +236,9 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     """Solve for the steady state by fixed-point iteration from 20 °C, at the points of a duty at which the crank turns.
 
     Losses and conductances depend on the temperatures, also through the clearances. Steps have Aitken's relaxation
-    factor (`_relaxation`). If the parts jam at the next
-    temperatures, have no equilibrium there or are too hot, the step is shortened. If this is so after the shortest step
-    as well, the result has the losses before that step and states the obstacle. `settings` has the number of rounds and
-    the tolerances.
+    factor (`_relaxation`). If the parts jam at the next temperatures, have no equilibrium there or are too hot, the
+    step is shortened. If this is so after the shortest step as well, the result has the losses before that step and
+    states the obstacle. `settings` has the number of rounds and the tolerances.
     """
     ambient = reducer.design.service.ambient_temperature
     temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)

@@ -228,7 +228,8 @@ def hub_bearing_fit(bearing: stock.StockBearing) -> str:
 
 def hub_bearing_designation(bearing: stock.StockBearing) -> str:
     """Return the designation to order for the bearings of the output: deep groove bearings with a seal at each end."""
-    return bearing.designation + (SEALS if hub_bearing_fit(bearing) == HUB_BEARING_FIT else "")
+    is_deep_groove = bearing.has_balls and not bearing.contact_angle
+    return bearing.designation + (SEALS if is_deep_groove else "")
 
 
 def cam_bearing_fit(reducer: Reducer, bearing: stock.StockBearing) -> str:
