@@ -5,8 +5,8 @@
 Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two further requirements, are
 spread evenly by the points of Sobol, scrambled by the seed. A written drive has to pass `design check`, and to meet the
 requirement by its rating within its tolerances, its tolerance study, and its size with covers. After a refusal, the
-largest possible torque and a remedy are tried with the flags that the command suggests; `--thorough` tries all remedies
-and all drives of a shortlist. The exit code is 1 if one fails.
+largest possible torque and a remedy are tried with the flags that the command suggests; `--thorough` tries all
+remedies, all drives of a shortlist, and 0.9 to 2 times the stated maximum. The exit code is 1 if one fails.
 """
 
 import argparse
@@ -57,6 +57,9 @@ class GridSettings:
     samples: int = 512
     min_yield: float = 0.99
     """Samples of the tolerance study of a file, and their smallest yield."""
+    shares: tuple[float, ...] = (0.9, 1.1, 1.5, 2.0)
+    max_share: float = 1.1
+    """Torques relative to a stated maximum that are tried, and the largest of them that may be answered."""
     range_interval: int = 8
     range: int = 6
     """Number of requirements from one with a range of ratios to the next, and width of such a range."""
@@ -203,7 +206,18 @@ def judge(requested_flags: dict[str, str], number: int, thorough: bool) -> tuple
         then, error = size(other)
         wrong += [f"{words}: {fault}" for one in then.get("designs", [])[:1] for fault in faults(one, other)]
         wrong += [] if then.get("designs") else [f"{words} is refused: {then.get('why', error)}"]
+    wrong += _judge_maximum(requested_flags, most) if thorough and most else []
     return answer["why"], spent, wrong
+
+
+def _judge_maximum(requested_flags: dict[str, str], most: float) -> Iterator[str]:
+    """Yield a sentence for each share of a stated maximum torque [N m] that contradicts it (`GRID.shares`)."""
+    for share in GRID.shares:
+        answer, _ = size(requested_flags | {"--torque-nm": f"{share * most:.4g}"})
+        if share < 1.0 and not answer.get("designs"):
+            yield f"{share:g} times the maximum of {most:g} N m is refused"
+        if share > GRID.max_share and answer.get("designs"):
+            yield f"{share:g} times the maximum of {most:g} N m is answered"
 
 
 def _replace_flags(asked: dict[str, str], words: list[str]) -> dict[str, str]:
