@@ -209,7 +209,8 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     yield Rule(
         "tapered_bearings",
         Limit("cranks.taper_radius", "more than", reducer.journal_radius),
-        "the tapered bearings enclose the journals of the cranks, of radius cranks.eccentric_radius less eccentricity",
+        f"the tapered bearings ({reducer.crank_bearing_text}) enclose the journals of the cranks, of radius "
+        "cranks.eccentric_radius less eccentricity",
     )
     ring = reducer.design.ring
     max_radius = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall

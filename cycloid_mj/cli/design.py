@@ -111,7 +111,7 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
 
 
 def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
-    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, numbers of checks.
+    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, number of checks.
 
     The mass is left out if the design cannot be built.
     """
@@ -123,6 +123,7 @@ def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         f"      ratio {float(reducer.kinematics.ratio):.6g}, {reducer.cranks.count} cranks on a radius of "
         f"{1e3 * reducer.crank_radius:.4g} mm; crank bearings turn {float(reducer.kinematics.bearing_turns):g} times "
         "per turn of the output",
+        f"      bearings of the cranks in the flanges: {reducer.crank_bearing_text}",
         f"      outer diameter {2e3 * reducer.design.housing.outer_radius:.4g} mm, nominal torque "
         f"{reducer.design.rated_torque:.4g} N m",
     ]

@@ -105,7 +105,7 @@ def _bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
 
     Forces are those under each of `torques` [N m], shape (points,), the output torques at the points of a duty cycle.
     """
-    stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
+    needle_ratings, taper_ratings = crank_bearing_ratings(reducer)
     forces = [crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     flange_bearing_forces = tuple(flange_forces(reducer, force) for force in forces)
@@ -113,22 +113,14 @@ def _bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         "crank_needles",
         "needles of a crank in a disc",
         CRANK_BEARING,
-        _ratings_of(
-            (stated_ratings.dynamic_capacity, stated_ratings.static_capacity),
-            needles,
-            f"{needles}, the eccentric as inner ring, the disc as outer ring",
-        ),
+        needle_ratings,
         disc_bearing_forces,
     )
     yield _Row(
         "crank_tapers",
         "tapered bearing of a crank in a flange",
         CRANK_TAPER,
-        _ratings_of(
-            (stated_ratings.shaft_dynamic_capacity, stated_ratings.shaft_static_capacity),
-            tapers,
-            f"{tapers} of a light series",
-        ),
+        taper_ratings,
         flange_bearing_forces,
     )
     yield from _main_bearing_rows(reducer, forces)
@@ -182,30 +174,48 @@ def main_bearing_forces(reducer: RvReducer, bearing: StockBearing, disc_forces: 
     return planes.reactions_at(-load_centre, load_centre)
 
 
-def _ratings_of(stated_ratings: tuple[float, float], roller_row: RollerRow, row_text: str) -> Ratings:
-    """Return the load ratings of a bearing: C and C0 of the design file [N], or where they are 0 those of its rollers.
+def crank_bearing_ratings(reducer: RvReducer) -> tuple[Ratings, Ratings]:
+    """Return the load ratings of the needles of a crank in a disc, and of its bearing in a flange.
 
-    `row_text` describes the rollers.
+    Values of the design file have priority. A bearing in stock has those of the catalogue; needles and a special
+    bearing have those of rollers, which are assumed for the special bearing.
     """
-    source = "of the design file (bearing.*_capacity_n)" if stated_ratings[0] else f"assumed: {row_text}"
-    return Ratings(
-        stated_ratings[0] or roller_row.dynamic,
-        stated_ratings[1] or roller_row.static,
-        f"C {source}",
-        f"C0 {source}",
-        roller_row.pitch,
+    cranks, stated, bearing = reducer.cranks, reducer.design.bearing, reducer.crank_bearing
+    needles = RollerRow(
+        cranks.needles,
+        2.0 * cranks.needle_radius,
+        reducer.design.gear.face_width,
+        2.0 * reducer.needle_circle_radius,
+    )
+    needle_source = f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring"
+    cup_diameter = 2.0 * cranks.taper_radius
+    tapers: RollerRow | StockBearing = bearing or RollerRow(
+        TAPERS.rollers, TAPERS.diameter * cup_diameter, TAPERS.length * cup_diameter, TAPERS.pitch * cup_diameter
+    )
+    taper_source = f"of NSK's catalogue: {bearing.designation}" if bearing else f"assumed: {tapers} of a light series"
+    pitch = 0.5 * (bearing.bore + bearing.outside) if bearing else TAPERS.pitch * cup_diameter
+    return (
+        _ratings_of((stated.dynamic_capacity, stated.static_capacity), needles, needles.pitch, needle_source),
+        _ratings_of((stated.shaft_dynamic_capacity, stated.shaft_static_capacity), tapers, pitch, taper_source),
     )
 
 
-def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
-    """Return the rollers of the bearings of a crank: the needles in a disc, and assumed tapered rollers in a flange."""
-    cranks, cup_diameter = reducer.cranks, 2.0 * reducer.cranks.taper_radius
-    pitch = 2.0 * reducer.needle_circle_radius
-    return (
-        RollerRow(cranks.needles, 2.0 * cranks.needle_radius, reducer.design.gear.face_width, pitch),
-        RollerRow(
-            TAPERS.rollers, TAPERS.diameter * cup_diameter, TAPERS.length * cup_diameter, TAPERS.pitch * cup_diameter
-        ),
+def _ratings_of(
+    stated_ratings: tuple[float, float], bearing: RollerRow | StockBearing, pitch: float, source: str
+) -> Ratings:
+    """Return the load ratings of a bearing: C and C0 of the design file [N], or where they are 0 those of `bearing`.
+
+    `source` describes the ratings of `bearing`, and `pitch` is its pitch diameter [m].
+    """
+    dynamic_source, static_source = (
+        "of the design file (bearing.*_capacity_n)" if stated else source for stated in stated_ratings
+    )
+    return Ratings(
+        stated_ratings[0] or bearing.dynamic,
+        stated_ratings[1] or bearing.static,
+        f"C {dynamic_source}",
+        f"C0 {static_source}",
+        pitch,
     )
 
 
@@ -224,11 +234,11 @@ def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
     """Compute the magnitudes of the radial forces [N] on the bearings of n cranks in both flanges, shape (m, 2 n).
 
     The first n columns are the cranks in the first flange, the others the same cranks in the second flange. A crank is
-    a beam on two supports, in the middles of the flanges. `disc_forces` [N] are the force vectors between the n cranks
+    a beam on two supports (`RvReducer.crank_support`). `disc_forces` [N] are the force vectors between the n cranks
     and the D discs at m crank angles, shape (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
-    support_position = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
+    support_position = 0.5 * gear.stack_width + gear.disc_gap + reducer.crank_support
     near_share = (support_position - planes) / (2.0 * support_position)
     support_forces = [np.einsum("mdnj,d->mnj", disc_forces, share) for share in (near_share, 1.0 - near_share)]
     return np.concatenate([np.linalg.norm(forces_at_support, axis=-1) for forces_at_support in support_forces], axis=1)

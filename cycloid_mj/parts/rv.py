@@ -1,8 +1,8 @@
 """The parts of an RV reducer: discs, ring, cranks with planets, sun, and the two flanges of the carrier.
 
 Along z, from the motor: planets and sun, flange 1, the discs, flange 2 with the posts. Crank 1 is on +y; cranks and
-posts are numbered clockwise. Not drawn: splines, screws, seals, and the shaft of the sun. Main bearings are drawn if
-the design has them (``cranks.main_bearings``).
+posts are numbered clockwise. Not drawn: splines, screws, seals, the shaft of the sun, and the shims and rings that hold
+the crank bearings. Main bearings are drawn if the design has them (``cranks.main_bearings``).
 """
 
 from collections.abc import Iterator
@@ -73,6 +73,17 @@ def axial_layout(reducer: RvReducer) -> AxialLayout:
     return AxialLayout(((-far, -near), (near, far)), planets)
 
 
+def crank_bearing_ends(reducer: RvReducer) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the ends along z [m] of the crank bearings in both flanges.
+
+    Bearings in stock begin at the faces of the flanges next to the discs; special ones are as wide as the flanges.
+    """
+    flanges, bearing = axial_layout(reducer).flanges, reducer.crank_bearing
+    if bearing is None:
+        return flanges
+    return (flanges[0][1] - bearing.width, flanges[0][1]), (flanges[1][0], flanges[1][0] + bearing.width)
+
+
 def rv_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return the parts of an RV reducer by name, such as ``crank``, each once and in its own frame.
 
@@ -88,7 +99,9 @@ def rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
     """Return the bearings as rings about z = 0, by name: `TAPERED_BEARING`, and ``output_bearing``, if there is any."""
-    radii = {TAPERED_BEARING: (reducer.cranks.taper_radius, reducer.journal_radius, reducer.cranks.flange_thickness)}
+    crank_bearing = reducer.crank_bearing
+    crank_bearing_width = crank_bearing.width if crank_bearing else reducer.cranks.flange_thickness
+    radii = {TAPERED_BEARING: (reducer.cranks.taper_radius, reducer.journal_radius, crank_bearing_width)}
     if bearing := reducer.main_bearing:
         radii[names.OUTPUT_BEARING] = 0.5 * bearing.outside, 0.5 * bearing.bore, bearing.width
     density = reducer.design.material_of("shaft").density
@@ -111,13 +124,13 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     DesignError
         A part cannot be manufactured, or does not fit.
     """
-    parts, axial = rv_parts(reducer), axial_layout(reducer)
+    parts = rv_parts(reducer)
     sun, planet = (_shift_to_planets(reducer, parts[name]) for name in (SUN, PLANET))
     planet_segments = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
     flanges = [parts[name] for name in FLANGES]
     tapers = [
         Segment(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
-        for z0, z1 in axial.flanges
+        for z0, z1 in crank_bearing_ends(reducer)
         for outer in circles_at(reducer.cranks.taper_radius, crank_centres(reducer))
     ]
     single_parts = {names.HOUSING, *reducer.gears, names.PIN} & parts.keys()

@@ -10,6 +10,7 @@ from matplotlib.patches import Rectangle
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.life.rv import crank_bearing_ratings
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, place_parts
@@ -40,7 +41,8 @@ def assembly_files(reducer: Reducer, casing: Casing | None) -> dict[str, bytes]:
     """
     files = {ASSEMBLY: assembly_step(reducer, 0.0, casing)}
     if isinstance(reducer, RvReducer):
-        return files | {BILL: bill_csv(rv_bill(reducer))}
+        ratings = crank_bearing_ratings(reducer)[1]
+        return files | {BILL: bill_csv(rv_bill(reducer, (ratings.dynamic, ratings.static)))}
     return files | instruction_files(reducer, casing) if casing else files
 
 

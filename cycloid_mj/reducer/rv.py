@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NoReturn, Self, TypeVar
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import in_mm
 from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout, unsupported_layout
 from cycloid_mj.design.model import BEARING_CORNER, SHARES
@@ -186,6 +187,38 @@ class RvReducer(Reducer):
         if self.cranks.main_bearings == "none":
             return None
         return self.kept("main_bearing", lambda: choose_main_bearing(self))
+
+    @property
+    def crank_bearing(self) -> "StockBearing | None":
+        """Tapered roller bearing in stock at each end of a crank; None if its dimensions are special, by drawing."""
+        from cycloid_mj.design import stock
+
+        sizes = 2.0 * self.journal_radius, 2.0 * self.cranks.taper_radius
+        fitting_bearings = (
+            bearing
+            for bearing in stock.crank_bearings()
+            if abs(bearing.bore - sizes[0]) + abs(bearing.outside - sizes[1]) < stock.ROUNDING
+            and bearing.width < self.cranks.flange_thickness + stock.ROUNDING
+        )
+        return next(fitting_bearings, None)
+
+    @property
+    def crank_bearing_text(self) -> str:
+        """Designation of the tapered bearings of the cranks, or that they are special, and their dimensions."""
+        bearing = self.crank_bearing
+        width = bearing.width if bearing else self.cranks.flange_thickness
+        sizes = " x ".join(in_mm(size) for size in (2.0 * self.journal_radius, 2.0 * self.cranks.taper_radius, width))
+        return f"{bearing.designation if bearing else 'special, by drawing'}, {sizes} mm"
+
+    @property
+    def crank_support(self) -> float:
+        """Distance of a crank's supports from the inner faces of the flanges [m].
+
+        A bearing in stock has its outer ring away from the discs, and supports the crank in its load centre. A special
+        bearing is as wide as the flange, and supports it in the middle.
+        """
+        bearing = self.crank_bearing
+        return bearing.width - bearing.load_centre if bearing else 0.5 * self.cranks.flange_thickness
 
     @property
     def flange_radius(self) -> float:

@@ -1,12 +1,12 @@
 """RV reducers for a requirement: a catalogue-like search over teeth, crank bearings and widths, then the rating.
 
-Proportions are those of `rv80e`. For each assembly of sun, planets and pins, closed forms estimate the torque for which
-crank bearings and pins last. The shortest candidate that should carry the torque is checked and rated; each rating
-corrects the estimates of the others, until a drive passes or none is left.
+Proportions are those of `rv80e`, with crank bearings in stock. For each assembly of sun, planets and pins, closed forms
+estimate the torque for which crank bearings and pins last. The shortest candidate that should carry the torque is
+checked and rated; each rating corrects the estimates of the others, until a drive passes or none is left.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -25,7 +25,7 @@ from cycloid_mj.life.duty import PEAK_FACTOR
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
 from cycloid_mj.life.rated import rated_and_momentary_torque
 from cycloid_mj.life.rolling import EXPONENT
-from cycloid_mj.life.rv import crank_bearing_rollers, flange_forces
+from cycloid_mj.life.rv import crank_bearing_ratings, flange_forces
 from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts.export.rv_assembly import rv_mass
@@ -51,27 +51,31 @@ class RvShares:
     ----------
     crank_circle
         Smallest and largest radius of the circle of cranks.
-    bores, widths, trochoids
-        Searched radii of the crank bores, widths of a disc, and eccentricities times pins over E (K1).
+    min_bore
+        Smallest radius of the crank bores.
+    special
+        Searched outer radii of special crank bearings, for drives into which none in stock fits.
+    widths, trochoids
+        Searched widths of a disc, and eccentricities times pins over E (K1).
     pitch
         Distance of pins over their radius.
     wall
         Smallest wall between holes.
     needle_gap
         Pitch of the needles over their diameter.
-    post, journal
-        Smallest radius of the posts over E, and of the cranks' journals over that of the crank bores.
+    post
+        Smallest radius of the posts.
     """
 
     crank_circle: tuple[float, float] = (0.46, 0.6)
-    bores: tuple[float, ...] = (0.15, 0.18, 0.21, 0.24)
+    min_bore: float = 0.18
+    special: tuple[float, ...] = (0.17, 0.2, 0.235, 0.27)
     widths: tuple[float, ...] = (0.13, 0.16, 0.19, 0.23, 0.28, 0.34)
     trochoids: tuple[float, ...] = (0.65, 0.75)
     pitch: float = 3.0
     wall: float = 0.05
     needle_gap: float = 1.12
     post: float = 0.06
-    journal: float = 0.4
 
 
 SHARES = RvShares()
@@ -177,18 +181,35 @@ def _describe_empty_pool(requirement: RvRequirement) -> str:
 
 
 def candidates(requirement: RvRequirement) -> list[Candidate]:
-    """List the candidate drives for a requirement that have room for their bearings, the shortest first."""
-    pool = [
+    """List the candidate drives for a requirement that have room for their bearings, the shortest first.
+
+    Only where no crank bearing in stock fits, crank bearings are special, with the proportions of `rv80e`.
+    """
+    bore_ratio = MODEL.journal_radius / MODEL.cranks.taper_radius
+    outside_diameters = [round(2.0 * share * _pin_circle_radius(requirement), 4) for share in SHARES.special]
+    special = [stock.StockBearing("", bore_ratio * outside, outside, 0.0, 0.0, 0.0) for outside in outside_diameters]
+    pool = _candidates_with(requirement, stock.crank_bearings()) or _candidates_with(requirement, special)
+    return sorted(pool, key=lambda item: item.length)
+
+
+def _candidates_with(requirement: RvRequirement, bearings: Iterable[stock.StockBearing]) -> list[Candidate]:
+    """List the candidate drives with some of the `bearings` at the ends of their cranks."""
+    return [
         candidate
         for cranks in (2, 3)
         for sun, planet, ring in assemblies(requirement.ratio, cranks)
         for trochoid in SHARES.trochoids
-        for bore in SHARES.bores
+        for bearing in bearings
         for width in SHARES.widths
-        if (candidate := _lay_out_candidate(requirement, cranks, (sun, planet, ring), trochoid, bore, width))
+        if (candidate := _lay_out_candidate(requirement, cranks, (sun, planet, ring), trochoid, bearing, width))
         and candidate.length <= requirement.length
     ]
-    return sorted(pool, key=lambda item: item.length)
+
+
+def _pin_circle_radius(requirement: RvRequirement) -> float:
+    """Return the radius of the pin circle [m], in proportion to the outer radius."""
+    design = MODEL.design
+    return round(requirement.diameter / 2.0 * design.ring.pin_circle_radius / design.housing.outer_radius, 4)
 
 
 def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
@@ -208,18 +229,22 @@ def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
 
 
 def _lay_out_candidate(
-    requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
+    requirement: RvRequirement,
+    cranks: int,
+    teeth: tuple[int, int, int],
+    trochoid: float,
+    bearing: stock.StockBearing,
+    width: float,
 ) -> Candidate | None:
     """Return a candidate drive with given numbers of teeth and proportions; None if its parts do not fit.
 
     `teeth` are the numbers of teeth of sun, planet and ring. `trochoid` is the trochoid ratio K1 = c N/E, with
-    eccentricity c, N ring pins and radius E of the pin circle. `bore` and `width` are the radius of the crank bores and
+    eccentricity c, N ring pins and radius E of the pin circle. `bearing` is that of a crank in a flange, and `width`
     the width of a disc, divided by E; see `RvShares`. `requirement` is that for the drive.
     """
     sun, planet, ring = teeth
     model, model_cranks = MODEL.design, MODEL.cranks
-    model_bore = model_cranks.eccentric_radius + 2.0 * model_cranks.needle_radius
-    circle = round(requirement.diameter / 2.0 * model.ring.pin_circle_radius / model.housing.outer_radius, 4)
+    circle = _pin_circle_radius(requirement)
     ideal_pin = 2.0 * math.pi * circle / (ring * SHARES.pitch)
     pin = min((0.5 * size for size in stock.dowel_diameters()), key=lambda radius: abs(radius - ideal_pin))
     eccentricity = round(trochoid * circle / ring, 5)
@@ -228,17 +253,17 @@ def _lay_out_candidate(
     if not modules:
         return None
     module, wall = max(modules), SHARES.wall * circle
-    radius, bore_radius = module * (sun + planet) / 2.0, bore * circle
-    root = circle - pin - eccentricity
-    needle = round(bore_radius * model_cranks.needle_radius / model_bore, 4)
-    eccentric = bore_radius - 2.0 * needle
+    radius, root = module * (sun + planet) / 2.0, circle - pin - eccentricity
+    taper, eccentric = 0.5 * bearing.outside, 0.5 * bearing.bore + eccentricity
+    ideal_needle = eccentric * model_cranks.needle_radius / model_cranks.eccentric_radius
+    needle = min((0.5 * size for size in stock.needle_diameters()), key=lambda item: abs(item - ideal_needle))
+    bore_radius = eccentric + 2.0 * needle
     chord = 2.0 * radius * math.sin(math.pi / (2.0 * cranks))
-    taper, journal = bore_radius * model_cranks.taper_radius / model_bore, eccentric - eccentricity
-    middle = radius - taper - wall
+    middle = radius - max(taper, bore_radius) - wall
     post = min(chord - taper, chord - bore_radius - eccentricity - POST_PLAY, root - radius - eccentricity) - wall
     post = min(post, radius - middle - wall - eccentricity)
-    margins = post - SHARES.post * circle, journal - SHARES.journal * bore_radius
-    if min(root - wall - radius - taper, middle, *margins) < 0.0:
+    margins = post - SHARES.post * circle, bore_radius - SHARES.min_bore * circle
+    if min(root - wall - radius - max(taper, bore_radius), middle, *margins) < 0.0:
         return None
     needles = math.floor(2.0 * math.pi * (eccentric + needle) / (2.0 * needle * SHARES.needle_gap))
     face = round(width * circle, 4)
@@ -264,7 +289,10 @@ def _lay_out_candidate(
             "taper_radius": taper,
             "middle_hole_radius": middle,
             "post_radius": post,
-            "flange_thickness": round(circle * model_cranks.flange_thickness / model.ring.pin_circle_radius, 5),
+            "flange_thickness": max(
+                round(circle * model_cranks.flange_thickness / model.ring.pin_circle_radius, 5),
+                math.ceil(1e4 * (bearing.width + wall)) / 1e4,
+            ),
         },
         housing={"outer_radius": requirement.diameter / 2.0},
         clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.clearance or CLEARANCE),
@@ -302,8 +330,8 @@ def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
     forces = loads.bearings.reshape(crank.size, -1), flange_forces(reducer, loads.cranks)
     crank_turns = requirement.life * HOUR * reducer.crank_speed / (2.0 * math.pi)
     bearings = (
-        rollers.dynamic * (1e6 / crank_turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
-        for rollers, force in zip(crank_bearing_rollers(reducer), forces, strict=True)
+        ratings.dynamic * (1e6 / crank_turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
+        for ratings, force in zip(crank_bearing_ratings(reducer), forces, strict=True)
     )
     kind = reducer.design.tooth_pair
     curvature = mesh_gaps(reducer, crank).relative_curvature
@@ -425,12 +453,15 @@ def _reasons_of_values(design: Design, weakest: str) -> Iterator[tuple[str, str]
         yield f"planet.{key}", f"by the search: ratio {teeth}; the planets mesh with the sun"
     yield "planet.module", "the largest of ISO 54 for which the cranks fit next to the pins"
     yield "cranks.count", "by the search"
-    for key in ("eccentric_radius", "needle_radius", "needles", "taper_radius"):
-        yield f"cranks.{key}", "by the search: the crank bearings decide the life"
+    bearing_text = RvReducer(design).crank_bearing_text
+    yield "cranks.taper_radius", f"by the search, the crank bearings decide the life: {bearing_text}"
+    yield "cranks.eccentric_radius", "bore of the tapered bearing, plus the eccentricity"
+    for key in ("needle_radius", "needles"):
+        yield f"cranks.{key}", "needle rollers in stock, nearest to the proportions of rv80e"
     for key in ("needle_stiffness", "taper_stiffness"):
         yield f"cranks.{key}", "that of rv80e, in proportion to number and length of the needles"
     for key in ("middle_hole_radius", "post_radius", "flange_thickness"):
-        yield f"cranks.{key}", "by proportions of rv80e and walls between the holes"
+        yield f"cranks.{key}", "by proportions of rv80e, the crank bearings, and walls between the holes"
     if bearing := RvReducer(design).main_bearing:
         yield "cranks.main_bearings", "required"
         yield "cranks.flange_thickness", f"by proportions of rv80e, or seat and shoulder of {bearing.designation}"

@@ -143,22 +143,23 @@ def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, statio
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
     Contact `springs` and `loads` are the static equilibrium at the k angles, `stations` are s positions along z (s,)
-    [m]. A crank is a beam on supports in the middles of the flanges. Its torque acts at the planet, and decreases along
-    each eccentric.
+    [m]. A crank is a beam on two supports (`RvReducer.crank_support`). Its torque acts at the planet, and decreases
+    along each eccentric.
     """
     gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)
-    first_flange, second_flange = (sum(flange_faces) / 2.0 for flange_faces in layout.flanges)
+    first_support = layout.flanges[0][1] - reducer.crank_support
+    second_support = layout.flanges[1][0] + reducer.crank_support
     on_discs = -np.moveaxis(loads.cranks, 1, 2)
     on_planets = planet_forces(reducer, springs, loads)[:, :, np.newaxis]
     forces, force_positions = np.concatenate([on_planets, on_discs], axis=2), np.append(layout.planet_middle, planes)
     widths = np.append(reducer.planet.face_width, np.full(planes.size, gear.face_width))
-    far_support = np.einsum("kncj,c->knj", forces, (force_positions - first_flange) / (first_flange - second_flange))
+    far_support = np.einsum("kncj,c->knj", forces, (force_positions - first_support) / (first_support - second_support))
     near_support = -forces.sum(axis=2) - far_support
     loaded_widths = np.clip(stations[:, np.newaxis] - force_positions + widths / 2.0, 0.0, widths)
     arms = loaded_widths / widths * (stations[:, np.newaxis] - force_positions + (widths - loaded_widths) / 2.0)
     bending = np.einsum("kncj,sc->knsj", forces, arms)
-    for support, support_position in ((near_support, first_flange), (far_support, second_flange)):
+    for support, support_position in ((near_support, first_support), (far_support, second_support)):
         bending += support[:, :, np.newaxis] * np.maximum(stations - support_position, 0.0)[:, np.newaxis]
     eccentrics = gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, np.newaxis]
     torques = cross(eccentrics, on_discs)

@@ -9,8 +9,9 @@ import pytest
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
+from cycloid_mj.checks import soundness
 from cycloid_mj.cli import main
-from cycloid_mj.design import load
+from cycloid_mj.design import load, stock
 from cycloid_mj.geometry.rv import planet_misfit
 from cycloid_mj.life import rate
 from cycloid_mj.life.item import ItemKind
@@ -59,13 +60,31 @@ def test_candidates_with_main_bearings_have_flanges_for_their_seats() -> None:
 
 def test_an_estimate_is_that_of_the_rating_with_ideal_sharing() -> None:
     """Where crank bearings fail first, both have the forces of ideal sharing."""
-    requirement = _requirement(121, 0.16, 412.0)
+    weak = ("bearing.shaft_dynamic_capacity_n=12000", "bearing.shaft_static_capacity_n=20000")
+    requirement = _requirement(121, 0.16, 412.0).but(changes=weak)
     candidate = max(list(candidates(requirement))[::60], key=lambda item: item.estimate)
     rated = rate_candidate(requirement, candidate)
     assert rated
     assert rated.weakest.key == "crank_tapers"
     assert rated.torque == pytest.approx(candidate.estimate, rel=2e-3)
     assert rated.momentary >= 2.0 * rated.torque
+
+
+@pytest.mark.parametrize("diameter", [0.145, 0.222, 0.325])
+def test_crank_bearings_and_needles_are_in_stock(diameter: float) -> None:
+    for candidate in candidates(_requirement(121, diameter, 167.0))[::40]:
+        reducer = candidate.reducer
+        assert reducer.crank_bearing in stock.crank_bearings()
+        assert 2.0 * reducer.cranks.needle_radius in stock.needle_diameters()
+        failures = {item.name for item in soundness(reducer) if item.severity == "error" and not item.passed}
+        assert failures <= {"sun_teeth", "planet_teeth"}, "walls and flanges have room for the bearings"
+
+
+def test_drives_too_small_for_crank_bearings_in_stock_have_special_bearings() -> None:
+    pool = candidates(_requirement(121, 0.08, 10.0))
+    assert pool
+    assert {item.reducer.crank_bearing for item in pool} == {None}
+    assert pool[0].reducer.crank_bearing_text.startswith("special, by drawing, ")
 
 
 def test_a_ratio_that_no_teeth_have_is_refused() -> None:

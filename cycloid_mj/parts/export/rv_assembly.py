@@ -22,6 +22,7 @@ from cycloid_mj.parts.rv import (
     SUN,
     TAPERED_BEARING,
     axial_layout,
+    crank_bearing_ends,
     planet_angle,
     rv_bearings,
     rv_parts,
@@ -91,7 +92,7 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
         yield PlacedPart(crank_name, CRANK, (x, y, 0.0), crank, crank_name)
         angle = crank + planet_angle(reducer)
         yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (x, y, planet_middle), angle, crank_name)
-        for bearing, ends in enumerate(axial.flanges, start=2 * number - 1):
+        for bearing, ends in enumerate(crank_bearing_ends(reducer), start=2 * number - 1):
             name = names.numbered_name(TAPERED_BEARING, bearing)
             yield PlacedPart(name, TAPERED_BEARING, (x, y, sum(ends) / 2.0), carrier_angle, CARRIER)
         yield from _place_needles(reducer, number, (x, y), crank)
