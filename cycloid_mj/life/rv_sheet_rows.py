@@ -155,8 +155,18 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
-    yield with_name(quantities["backlash"], "Backlash", "without load, mean over a turn of the carrier, sun locked")
-    yield with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}, sun locked")
+    play_text = (
+        f"play of the planet teeth {1e6 * reducer.planet.backlash:.3g} um, of the crank bearings "
+        f"{1e6 * reducer.bearing_clearance:.3g} um"
+    )
+    yield with_name(
+        quantities["backlash"], "Backlash", f"without load, mean over a turn of the carrier, sun locked; {play_text}"
+    )
+    yield with_name(
+        quantities["lost_motion_ideal"],
+        "Lost motion",
+        f"between -3 and 3 % of {torque_text}, sun locked; {play_text}",
+    )
     yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, sun locked")
     yield with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow")
     if quantities["te_errors"].value:

@@ -147,6 +147,13 @@ def test_figures_are_those_of_statics_and_parts(sheet: Datasheet) -> None:
 
 
 @pytest.mark.slow
+def test_backlash_and_lost_motion_state_the_play_that_they_assume(sheet: Datasheet) -> None:
+    for key in ("backlash", "lost_motion_ideal"):
+        note = rows_of(sheet)[key].note
+        assert note.startswith("perfect parts; ")
+        assert note.endswith("; play of the planet teeth 0 um, of the crank bearings 0 um")
+
+
 def test_keys_and_units_are_those_of_a_drive_with_a_central_crank(sheet: Datasheet) -> None:
     rows, others = rows_of(sheet), rows_of(datasheet(Reducer(PRESETS["pin"])))
     assert set(rows) - set(others) == {"output_speed"}
