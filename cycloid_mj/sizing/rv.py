@@ -37,6 +37,7 @@ from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import POWER_RESERVE, conditions
 from cycloid_mj.sizing.remedies import better_cooling, first_feasible, list_changes
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.solve import LENGTH_WORDS
 from cycloid_mj.statics.rv_sheet import motion_figures
 
 MODULES = tuple(1e-3 * item for item in (0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0))
@@ -153,7 +154,8 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
     """
     pool = candidates(requirement)
     if not pool:
-        return Answer(requirement, (), 0.0, _describe_empty_pool(requirement))
+        reason = _describe_empty_pool(requirement)
+        return Answer(requirement, (), 0.0, reason, remedies=tuple(_remedies(requirement, None)))
     best, strongest = _search_shortest(requirement, pool)
     if best is None:
         max_torque = float(f"{strongest.torque:.3g}") if strongest else 0.0
@@ -389,9 +391,9 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
     """Yield changes that make a requirement feasible, each verified by a search.
 
     If a life limits the torque, the change is a shorter life. If heat limits it, the changes are a smaller share of the
-    time under load, and better cooling. The last change is a larger diameter. `strongest` is the drive with the largest
-    torque T that was evaluated for the requirement, if any. The search of each change starts at the life of this drive,
-    or where T should suffice by similarity: losses ~ T, diameter ~ T^1/3.
+    time under load, and better cooling. The last two are a larger length, if it is limited, and a larger diameter.
+    `strongest` is the drive with the largest torque T that was evaluated for the requirement, if any. The search of
+    each change starts at the life of this drive, or where T should suffice by similarity: losses ~ T, diameter ~ T^1/3.
     """
     share = strongest.torque / requirement.torque if strongest else 1.0
     is_hot = strongest is not None and strongest.weakest.kind is ItemKind.HEAT
@@ -403,6 +405,11 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
         changes = [item for item in list_changes(requirement, key) if getattr(item.requirement, key) <= max_value]
         yield from first_feasible(changes, _is_feasible)
     yield from first_feasible(better_cooling(requirement) if is_hot else (), _is_feasible)
+    any_length = requirement.but(length=math.inf)
+    best = _search_shortest(any_length, candidates(any_length))[0] if requirement.length < math.inf else None
+    if best:
+        length = math.ceil(1e4 * best.candidate.length) / 1e4
+        yield FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length))
     diameter = share ** (-1.0 / 3.0) * requirement.diameter
     changes = [item for item in list_changes(requirement, "diameter") if item.requirement.diameter >= diameter]
     yield from first_feasible(changes, _is_feasible)

@@ -155,3 +155,11 @@ def test_remedies_start_where_the_torque_suffices_by_similarity(monkeypatch: pyt
     assert words(ItemKind.BEARING, 3000.0) == ["a life of 2960 h", "202 mm"]
     assert words(ItemKind.BEARING, None) == ["202 mm"]
     assert [remedy.words for remedy in rv._remedies(requirement, None)] == ["166 mm"]
+    shortest = SimpleNamespace(candidate=SimpleNamespace(length=64.46e-3))
+    monkeypatch.setattr(rv, "_search_shortest", lambda any_length, pool: (shortest, shortest))
+    longer, _ = rv._remedies(requirement.but(length=0.06), None)
+    assert longer.requirement.length == pytest.approx(64.5e-3)
+    assert longer.words == "a length of 64.5 mm"
+    answer = rv.size_rv(requirement.but(length=0.05))
+    assert answer.limit.startswith("no drive is shorter than ")
+    assert [remedy.words for remedy in answer.remedies] == ["a length of 64.5 mm", "166 mm"]
