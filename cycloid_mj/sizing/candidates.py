@@ -500,6 +500,7 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
+    cam_clearance = requirement.cam_clearance_at(2.0 * size["bore"])
     needles, is_bare = size["needle_dynamic"] > 0.0, size["core"] == size["stud"]
     tube_deviation = 0.0 if is_bare else _tube_deviation(requirement, size["stud"])
     wall, friction = size["outer"] - size["circle"] - size["pin"], {}
@@ -542,8 +543,9 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
         },
         "housing": {"outer_radius": file(size["outer"]), **({} if requirement.custom else clamping(wall))},
         "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), pin_clearance)
-        | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
-        "tolerance": usual_tolerances(pin_clearance, discs, requirement.fit, tube_deviation),
+        | {"cam": cam_clearance, "output": requirement.clearance_at(2.0 * size["stud"])},
+        "tolerance": usual_tolerances(pin_clearance, discs, requirement.fit, tube_deviation)
+        | {"cam": usual_tolerances(cam_clearance, discs, requirement.fit)["cam"]},
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
         **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},

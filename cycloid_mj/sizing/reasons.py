@@ -99,6 +99,8 @@ def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple
     if requirement.usual_clearance < limits.finest:
         clearance += "; parts are measured and matched, pins of one group (ISO 3096)"
     reasons |= dict.fromkeys((f"clearance.{pair}" for pair in type(design.clearance).model_fields), clearance)
+    if design.clearance.cam < design.clearance.pin_gear:
+        reasons["clearance.cam"] = "usual for a ground cam in its bearing"
     default = (
         f"usual for {requirement.process}: six standard deviations are {6.0 * TOLERANCE_SHARE:.0%} of the clearance"
     )

@@ -425,3 +425,11 @@ class Requirement:
         if self.fit:
             return round(0.25 * sum(clearances(self.fit, size)), 9)
         return self.clearance or PROCESSES[self.process].clearance
+
+    def cam_clearance_at(self, size: float) -> float:
+        """Compute the clearance of a cam in its bearing [m]; `size` is the outside diameter of the bearing [m].
+
+        Cam and bearing are ground in every process, so a clearance is at most the usual one of ground parts.
+        """
+        clearance = self.clearance_at(size)
+        return clearance if self.fit else min(clearance, PROCESSES["steel"].clearance)

@@ -12,6 +12,8 @@ import pytest
 from designs import cases
 
 from cycloid_mj.design import PRESETS, stock
+from cycloid_mj.design.processes import Process
+from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import BillLine, assembly_order, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
@@ -139,6 +141,22 @@ def require_sizes_in_stock(reducer: Reducer) -> None:
         assert measures(line).keys() - looked_up.keys() <= own, line
         assert line.fit or "ISO 4762" in line.designation or "insert" in line.item or "bar" in line.designation, line
         assert line.count > 0
+
+
+@pytest.mark.parametrize("process", ["steel", "milled", "printed"])
+def test_cams_of_new_drives_fill_their_bearings(process: Process) -> None:
+    """A cam of 11.8 mm has 0.2 mm of play in an HK1210; its fit F8/h5 has 0.05 mm at most."""
+    asked = Requirement(20, 0.1, 1.0, process=process)
+    _, sizes = decode(asked, np.random.default_rng(3).random((40, DIMENSIONS)))
+    drive = next(drive for size in sizes if (drive := build_drive(asked, size, 1.0)) and cam_bearing(drive))
+    bearing, _ = cam_bearing(drive) or (None, 0)
+    assert bearing
+    assert 0.0 <= bearing.bore - 2.0 * cam_radius(drive) <= 10.1e-6
+    loose = drive.but(clearance={"cam": 100e-6})
+    (violation,) = (item for item in describe_violations(loose, casing(loose)) if "loose" in item)
+    assert f"loose in {bearing.designation}, which needs {1e3 * bearing.bore:g} mm" in violation
+    tight = drive.but(clearance={"cam": 1e-6 * float(violation.rpartition(" ")[2])})
+    assert not [item for item in describe_violations(tight, casing(tight)) if "loose" in item]
 
 
 def test_free_pins_are_rollers_and_cut_if_too_long() -> None:

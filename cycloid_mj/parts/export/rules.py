@@ -1,9 +1,13 @@
 """Rules that every joint of a drive has to follow, and the violations of a design."""
 
+import math
 from collections.abc import Iterator
 
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.model import BEARING_CORNER
+from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius
+from cycloid_mj.parts.export.bearings import NEEDLE_BORE
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
@@ -26,6 +30,7 @@ def describe_violations(reducer: Reducer, casing: Casing) -> Iterator[str]:
     - Dowels centre the covers, and keep a plastic ring from turning.
     - Threads in a plastic have an insert. Pressed and turning parts have a fit.
     - Bearings reach their shoulders, and the crank has the fillets that its fatigue strength assumes.
+    - Cams have little more play than the fit of their bearings.
     - A motor is not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, casing):
@@ -50,6 +55,7 @@ def describe_violations(reducer: Reducer, casing: Casing) -> Iterator[str]:
             f"whose corners have a radius of {MILLIMETRES * BEARING_CORNER:g} mm: reduce shaft.fillet_radius_mm"
         )
     yield from _describe_short_necks(reducer, casing)
+    yield from _describe_loose_cams(reducer)
     if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
@@ -77,4 +83,21 @@ def _describe_short_necks(reducer: Reducer, casing: Casing) -> Iterator[str]:
             f"the gap of {MILLIMETRES * gear.disc_gap:g} mm between the discs has no room for fillets between the cams "
             f"and the collar of the crank: set gear.disc_gap_mm to at least {MILLIMETRES * smallest_gap:.2f}, or "
             "reduce shaft.fillet_radius_mm"
+        )
+
+
+def _describe_loose_cams(reducer: Reducer) -> Iterator[str]:
+    """Yield a sentence if the cams are smaller than the bore of their bearing by more than the play of needles.
+
+    Load ratings are valid for a cam of the nominal diameter. The limit is the largest play of a drawn cup on its shaft.
+    """
+    bearing, diameter = cam_bearing(reducer), 2.0 * cam_radius(reducer)
+    if bearing is None:
+        return
+    bore = bearing[0].bore
+    play = clearances(f"{NEEDLE_BORE}/h5", bore)[1]
+    if diameter < bore - play:
+        yield (
+            f"cams of {MILLIMETRES * diameter:.4g} mm are loose in {bearing[0].designation}, which needs "
+            f"{MILLIMETRES * bore:g} mm: set clearance.cam_um to at most {math.floor(0.5e6 * play)}"
         )
