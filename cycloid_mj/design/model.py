@@ -1133,13 +1133,12 @@ class Design(Section, Presented):
         DesignError
             There is no such table or value, or it is not allowed.
         """
-        values = self.model_dump()
+        values: dict[str, Any] = dict(self)  # tables that do not change are not validated again
         for name, change in changes.items():
             section = section_of(field) if (field := type(self).model_fields.get(name)) else None
             if section and isinstance(change, Mapping):
-                change = section.merge_change(
-                    values[name] or {}, {key: _as_tuple(value) for key, value in change.items()}
-                )
+                table = values[name].model_dump() if values[name] else {}
+                change = section.merge_change(table, {key: _as_tuple(value) for key, value in change.items()})
             values[name] = change
         try:
             return type(self).model_validate(values, strict=True)
