@@ -53,11 +53,11 @@ from cycloid_mj.parts.export.motor_mount import (
     motor_floor_thickness,
     motor_heads_end,
 )
-from cycloid_mj.parts.export.motors import MotorFlange
+from cycloid_mj.parts.export.motors import MotorFlange, frames_for
 from cycloid_mj.parts.export.output_flange import OutputFlange, flange_screw_depth, pattern_angles, size_output_flange
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 LIGHT_METAL = "aluminium 6061"
@@ -259,13 +259,13 @@ class Casing(MotorSide, OutputSide):
         return self.face, self.top + self.flange_thickness
 
 
-@once
 def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> Casing:
     """Choose the dimensions of the casing of a drive for a motor: covers, bearings, screws and flanges.
 
     `motor` is the flange of the motor or its name; with ``auto``, it is the smallest NEMA frame that fits and is strong
     enough, or a bolt circle. `cover_material` is the name of a metal of the library. With ``auto``, the covers are of
-    `LIGHT_METAL` if the ring is of a metal more than twice as dense, and otherwise of the material of the ring.
+    `LIGHT_METAL` if the ring is of a metal more than twice as dense, and otherwise of the material of the ring. Drives
+    with equal parts whose motors need the same frames share the result, which is cached.
 
     Raises
     ------
@@ -273,6 +273,14 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         Motor flange, output bearing, crank or screws do not fit, a hollow shaft ends before the hub, or the requested
         joint of the cams is not possible.
     """
+    design = reducer.design
+    frames = frames_for(design.drive.torque, design.drive.speed)
+    key = (_size_casing, motor, cover_material, frames, design.contact.cam_rollers)
+    return reducer.shape.kept(key, lambda: _size_casing(reducer, motor, cover_material))
+
+
+def _size_casing(reducer: Reducer, motor: Motor, cover_material: str) -> Casing:
+    """Choose the dimensions of the casing as `casing`, but not cached."""
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
     outer_radius = _cover_radius(screws, design.housing.outer_radius, wall)

@@ -7,7 +7,7 @@ from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.parts.export.rv_assembly import BEARING_FILL
-from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.reducer import Reducer, RvReducer
 
 SEAL_FILL = 0.5
 """Mass of a seal ring relative to a solid ring of steel: a steel ring in rubber, with a hollow lip (assumed)."""
@@ -24,9 +24,10 @@ def has_casing(reducer: Reducer) -> bool:
     return not isinstance(reducer, RvReducer) and casing_or_none(reducer)[0] is not None
 
 
-@once
 def drive_mass(reducer: Reducer) -> float:
     """Compute the mass [kg] of a drive with its covers; a ring in two halves is replaced by an undivided ring.
+
+    Drives with equal parts share the result, which is cached.
 
     Raises
     ------
@@ -34,7 +35,9 @@ def drive_mass(reducer: Reducer) -> float:
         A part does not fit.
     """
     undivided_reducer = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
-    return assembly_mass(undivided_reducer, casing(undivided_reducer))
+    drive_casing = casing(undivided_reducer)
+    key = (assembly_mass, drive_casing, undivided_reducer.design.contact.cam_rollers)
+    return undivided_reducer.shape.kept(key, lambda: assembly_mass(undivided_reducer, drive_casing))
 
 
 def assembly_mass(reducer: Reducer, casing: Casing) -> float:
