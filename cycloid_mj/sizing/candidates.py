@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -417,7 +417,8 @@ def _choose_core_pins(
         lengths = stock.stock_pin_lengths(2.0 * size, inner_length[rows] + 2.0 * usual_thickness, max_count=1)
         thickness = np.round(0.5 * (lengths - inner_length[rows]), 9)
         is_usual = (usual_thickness / 1.5 <= thickness) & (thickness <= 1.5 * usual_thickness)
-        in_stock = [stock.is_dowel(2.0 * size, length) for length in lengths.tolist()]
+        is_dowel = cache(partial(stock.is_dowel, 2.0 * size))  # most candidates share a few lengths
+        in_stock = [is_dowel(length) for length in lengths.tolist()]
         disc[rows], has_dowel[rows] = thickness, is_usual & in_stock
     return np.asarray(core, float), np.where(has_needles, count ** (7.0 / 9.0) * chosen.dynamic, 0.0), disc, has_dowel
 
