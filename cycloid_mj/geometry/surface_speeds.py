@@ -42,6 +42,10 @@ class SurfaceSpeeds:
         """Entrainment speed [m/s]: the mean of both speeds; where it passes through 0, no film forms."""
         return 0.5 * (self.moving + self.fixed)
 
+    def scaled(self, factor: float) -> "SurfaceSpeeds":
+        """Return both speeds times a factor, as at another radius of the same part."""
+        return SurfaceSpeeds(moving=factor * self.moving, fixed=factor * self.fixed)
+
 
 def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
     """Compute the surface speeds [m/s] of disc and ring at the teeth, for pins that do not rotate or an internal gear.
@@ -63,18 +67,6 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
     sliding = crank_speed / gear.lobes * (distance - rho)
     contact_line_speed = rho * c * N * crank_speed * (E * np.cos(B) - c * N) / distance**2
     return SurfaceSpeeds(moving=contact_line_speed + sliding, fixed=contact_line_speed)
-
-
-def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve, past the contact line.
-
-    The seat's `radius` [m] is that of the pin in a socket, or of the bore of a sleeve. The speeds are those of
-    `tooth_speeds` at the tooth, times the seat's radius over the pin radius. `B` are phases of the pins [rad], angles
-    of the pins from the eccentricity, clockwise, of any shape. `crank_speed` [rad/s] is the speed of the crank relative
-    to the ring. `gear` is the profile of the disc.
-    """
-    disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
-    return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)
 
 
 def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_speed: float) -> SurfaceSpeeds:

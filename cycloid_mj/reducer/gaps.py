@@ -303,6 +303,8 @@ def _gradient_by_pose(reducer: "Reducer", disc: int, by_position: Array, by_rota
 
 def _concatenate(parts: list[Gaps]) -> Gaps:
     """Concatenate gaps along the axis of the n contacts, in the order of the list."""
+    if len(parts) == 1:
+        return parts[0]
     along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
     joined = {name: [getattr(part, name) for part in parts] for name in along}
     return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})

@@ -15,7 +15,7 @@ from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_centre
-from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
+from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, tooth_speeds
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
 from cycloid_mj.reducer import Reducer, RvReducer, once
@@ -226,7 +226,7 @@ class FilmSurfaces:
             radius = 1.0 / contact.relative_curvature
             return line_friction(law, force, speeds.entrainment, speeds.sliding, radius, length, contact.modulus)
         scale = output.root_radius / output.pin_radius
-        core_speeds = SurfaceSpeeds(scale * speeds.moving, scale * speeds.fixed)
+        core_speeds = speeds.scaled(scale)
         play = ASSUMED.roller_play * output.root_radius
         core_friction = journal_friction(
             law, force, core_speeds.entrainment, core_speeds.sliding, output.root_radius, play, length
@@ -350,12 +350,12 @@ def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> Fi
 
     `phases` are angles from the direction of the eccentric, of any shape; `curvature` has the same shape.
     """
-    gear, speed = reducer.tooth_profile, reducer.speed_against_ring
-    has_seats = bool(reducer.design.seat_pair)
+    gear = reducer.tooth_profile
+    flank = tooth_speeds(gear, phases, reducer.speed_against_ring)
     return FilmSurfaces(
         reducer=reducer,
-        flank=tooth_speeds(gear, phases, speed),
-        seat=seat_speeds(gear, phases, speed, _seat_radius(reducer)) if has_seats else None,
+        flank=flank,
+        seat=flank.scaled(_seat_radius(reducer) / gear.pin_radius) if reducer.design.seat_pair else None,
         radius=1.0 / np.maximum(curvature, ASSUMED.min_curvature),
     )
 
@@ -401,6 +401,7 @@ def lubricant_temperature(reducer: Reducer, pair: str, temperatures: Mapping[str
     return 0.5 * float(thermal[part] + thermal[other_part])
 
 
+@once
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
     """Return the friction law ``film`` (mixed lubrication) of a kind of mating pair at its lubricant's temperature.
 

@@ -14,7 +14,6 @@ from cycloid_mj.geometry.surface_speeds import (
     entrainment_zeros,
     hole_speeds,
     involute_speeds,
-    seat_speeds,
     tooth_speeds,
 )
 from cycloid_mj.reducer import Reducer, reducer_of
@@ -127,6 +126,7 @@ def test_entrainment_changes_sign_at_its_zeros() -> None:
 
 def test_a_seat_scales_the_speeds_by_its_radius() -> None:
     gear, B = Reducer(resolve("pin")).tooth_profile, np.linspace(0.1, 3.0, 7)
-    flank, seat = tooth_speeds(gear, B, 100.0), seat_speeds(gear, B, 100.0, 0.5 * gear.pin_radius)
+    flank = tooth_speeds(gear, B, 100.0)
+    seat = flank.scaled(0.5)
     assert seat.sliding == pytest.approx(0.5 * flank.sliding)
     assert seat.entrainment == pytest.approx(0.5 * flank.entrainment)
