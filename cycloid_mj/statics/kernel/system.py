@@ -146,10 +146,10 @@ def allocate_system(springs: KernelSprings) -> System:
     displacement by rotation of its disc or of the output, at the first crank angle.
     """
     unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
-    arm = np.zeros(1)
-    for i in range(springs.disc.size):
-        for j in (3 * springs.disc[i] + 2, unknowns - 1):
-            arm[0] = max(arm[0], math.hypot(springs.slope[0, i, j], springs.shift_slope[0, i, j]))
+    contacts, arm = np.arange(springs.disc.size), 0.0
+    for j in (3 * springs.disc + 2, unknowns - 1):
+        normal, tangential = springs.slope[0, contacts, j].tolist(), springs.shift_slope[0, contacts, j].tolist()
+        arm = max([arm, *map(math.hypot, normal, tangential)])
     return System(
         np.zeros(unknowns),
         np.zeros((unknowns, unknowns)),
@@ -162,7 +162,7 @@ def allocate_system(springs: KernelSprings) -> System:
         np.zeros(1, np.int64),
         np.zeros(unknowns),
         np.zeros(springs.disc.size),
-        arm,
+        np.array([arm]),
         np.zeros(unknowns),
         np.zeros(unknowns),
         np.zeros((unknowns, unknowns)),
