@@ -32,7 +32,7 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
     """
     forces, torsional_stiffness = np.empty_like(arms), np.empty_like(torque)
     for drive in range(len(arms)):
-        rotation, squared_arms = _solve_rotation(
+        rotation, _, squared_arms = _solve_rotation(
             arms[drive], weights[drive], clearance, torque[drive] / stiffness[drive], 0.0, 0.0, np.inf
         )
         forces[drive] = stiffness[drive] * np.maximum(rotation * arms[drive] - clearance, 0.0)
@@ -52,10 +52,15 @@ def protruding_forces(
     forces, reduced_clearance = np.empty_like(arms), clearance - error
     for drive in range(len(arms)):
         load = torque[drive] / stiffness[drive]
-        start, _ = _solve_rotation(arms[drive], weights[drive], clearance, load, 0.0, 0.0, np.inf)
+        start, moment, squared_arms = _solve_rotation(arms[drive], weights[drive], clearance, load, 0.0, 0.0, np.inf)
         for spring in range(arms.shape[1]):
-            arm = arms[drive, spring]
-            rotation, _ = _solve_rotation(arms[drive], weights[drive], clearance, load, arm, reduced_clearance, start)
+            arm, rotation = arms[drive, spring], start
+            if start * arm > reduced_clearance:  # otherwise the spring is open and does not change the rotation
+                first_step = (moment + arm * reduced_clearance) / (squared_arms + arm * arm)
+                if _is_smaller(first_step, start):
+                    rotation, _, _ = _solve_rotation(
+                        arms[drive], weights[drive], clearance, load, arm, reduced_clearance, first_step
+                    )
             forces[drive, spring] = stiffness[drive] * max(rotation * arm - reduced_clearance, 0.0)
     return forces
 
@@ -69,14 +74,15 @@ def _solve_rotation(
     extra_arm: float,
     extra_clearance: float,
     start: float,
-) -> tuple[float, float]:
+) -> tuple[float, float, float]:
     """Solve for the common rotation [rad] at which contact springs with clearance carry a moment.
 
     The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs with the
     `clearance` [m] at each of `arms` (m,) [m], and one spring with `extra_arm` and `extra_clearance` (none if the arm
     is 0). The moment is a convex, piecewise linear function of the rotation, so that Newton's method decreases to the
     solution from a larger `start` [rad], such as the solution without the extra spring, or inf, at which all springs
-    are closed. The second result is the sum of the squared arms of closed springs [m2].
+    are closed. The other results are sums over the closed springs [m2] whose ratio is the rotation: moments of the
+    clearances, with `load`, and squared arms.
     """
     rotation, squared_arms = start, 0.0
     while True:
@@ -89,6 +95,12 @@ def _solve_rotation(
             moment += extra_arm * extra_clearance
             squared_arms += extra_arm * extra_arm
         next_rotation = moment / squared_arms
-        if not next_rotation < rotation * (1.0 - math.copysign(1e-12, rotation)):
-            return rotation, squared_arms
+        if not _is_smaller(next_rotation, rotation):
+            return rotation, moment, squared_arms
         rotation = next_rotation
+
+
+@njit(error_model="numpy", inner=True)
+def _is_smaller(rotation: float, previous: float) -> bool:
+    """Return whether a rotation is smaller than the `previous` by more than rounding."""
+    return rotation < previous * (1.0 - math.copysign(1e-12, previous))
