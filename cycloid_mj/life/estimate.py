@@ -6,7 +6,8 @@ limits are those of `life.items.rate`, which needs some 10^4 times the time of a
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 
@@ -102,6 +103,8 @@ def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) ->
     deviation
         Standard deviation of the manufacturing errors, the same for all dimensions [m].
     """
+    # attributes of a record array take longer than the arithmetic
+    sizes = cast(Sizes, SimpleNamespace(**{name: np.array(sizes[name]) for name in SIZES}))
     torque = np.full(sizes.circle.shape, FIRST_TORQUE * diameter**3)
     for _ in range(ROUNDS):
         loads = _Loads.compute(sizes, design, deviation, torque)
@@ -184,7 +187,7 @@ class _Loads:
         line_stiffness = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending_stiffness = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
         bending_stiffness = bending_stiffness / _stack(sizes, design) ** 3
-        contacts_per_angle = np.full(len(sizes), 0.5 * tooth_count / ANGLES), 0.5 * sizes.count / ANGLES
+        contacts_per_angle = np.full(sizes.count.shape, 0.5 * tooth_count / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
         tooth_springs = (
             arm,
