@@ -290,6 +290,9 @@ class Pool:
 
     def changed(self, requirement: Requirement) -> Self | None:
         """Return these candidates for a changed requirement, without ratings, but with the corrections of estimates."""
+        if requirement.kind == self.requirement.kind:  # the sizes are the same
+            guess = _estimate(requirement, self.sizes)
+            return replace(self, requirement=requirement, guess=guess, rated={}, extended=set())
         pool = self.of(requirement, self.points)
         return pool and replace(pool, samples=self.samples, corrections=self.corrections, biases=self.biases)
 
