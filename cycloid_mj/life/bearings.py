@@ -26,7 +26,7 @@ from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.roller_needles import needle_row
 from cycloid_mj.statics.film import lubricant_temperature
 
@@ -120,6 +120,7 @@ class Bearing:
         return self.spin * relative_speed(reducer, crank, self.joins)
 
 
+@once
 def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
     """List the rolling bearings of a drive with their load ratings [N]: cams, shaft, hub and rollers of the output.
 

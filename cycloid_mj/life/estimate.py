@@ -6,6 +6,7 @@ limits are those of `life.items.rate`, which needs some 10^4 times the time of a
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -298,16 +299,15 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
     if disc_count > 1:
         near_load = far_load = loads.cam * (stack_width - sizes.face) / (near_arm + far_arm)
     max_outer_radius = sizes.circle + sizes.pin
-    hub_bearings = stock.thin_ball_bearings()
+    hub_bearings = _hub_bearings()
     min_wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
     min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - min_wall
     hub_index = np.minimum(
-        np.searchsorted([bearing.outside for bearing in hub_bearings], 2.0 * max_outer_radius, side="right") - 1,
-        np.searchsorted([bearing.bore for bearing in hub_bearings], 2.0 * min_bore, side="right") - 1,
+        np.searchsorted(hub_bearings["outside"], 2.0 * max_outer_radius, side="right") - 1,
+        np.searchsorted(hub_bearings["bore"], 2.0 * min_bore, side="right") - 1,
     )
     dynamic_rating, width, static_rating, bore, outer_diameter = (
-        np.array([getattr(bearing, key) for bearing in hub_bearings])[np.maximum(hub_index, 0)]
-        for key in ("dynamic", "width", "static", "bore", "outside")
+        hub_bearings[key][np.maximum(hub_index, 0)] for key in ("dynamic", "width", "static", "bore", "outside")
     )
     is_plastic = design.material_of("gear").is_plastic
     spacing = (
@@ -339,6 +339,13 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
         ),
     }
     return {key: loads.torque * limit for key, limit in limits.items()}
+
+
+@cache
+def _hub_bearings() -> dict[str, Array]:
+    """Return the sizes [m] and load ratings [N] of the thin ball bearings in stock by key, the smallest first."""
+    keys = "dynamic", "width", "static", "bore", "outside"
+    return {key: np.array([getattr(bearing, key) for bearing in stock.thin_ball_bearings()]) for key in keys}
 
 
 def _stack(sizes: Sizes, design: Design) -> Array:
