@@ -1432,10 +1432,12 @@ class Design(Section, Presented):
         `section` has the lists, `table` is its name in messages.
         """
         for name, field in type(section).model_fields.items():
+            if not (value := getattr(section, name)):
+                continue
+            key = f"{table}.{file_key(name, field)}"
             counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
-            value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
             part_count = math.prod(counts.values())
-            if counts and value and len(value) != part_count:
+            if counts and len(value) != part_count:
                 plural_counts = {part: count for part, count in counts.items() if count > 1} or counts
                 product = " times ".join(".".join(part) for part in plural_counts)
                 raise ValueError(
