@@ -50,6 +50,11 @@ def cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+def dot(a: Array, b: Array) -> Array:
+    """Compute the scalar products of planar vectors, shapes (..., 2); a zero is positive, as that of np.sum."""
+    return np.asarray(0.0 + a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+
+
 def quarter_turned(vectors: Array) -> Array:
     """Rotate planar vectors (..., 2) by 90 degrees counter-clockwise."""
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)

@@ -143,8 +143,7 @@ def trochoid_derivatives(gear: CycloidGear, t: npt.ArrayLike) -> tuple[Array, Ar
 
 def pitch_distance(gear: CycloidGear, B: npt.ArrayLike) -> Array:
     """Distance l of a pin centre from the pitch point c N u(crank) at phase B, also |T'(t)| [m]."""
-    N, c, E, _ = gear.symbols
-    return np.sqrt(E**2 + (c * N) ** 2 - 2 * E * c * N * np.cos(B))
+    return _distance(gear, np.cos(B))
 
 
 def conjugate_alpha(gear: CycloidGear, B: npt.ArrayLike) -> Array:
@@ -213,15 +212,15 @@ def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) 
     1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset, symbols as in `CycloidGear`, B the `phase` of t and
     l its `pitch_distance`.
     """
-    B = phase(gear, t)
-    bracket = _curvature_bracket(gear, B)
-    return bracket / (pitch_distance(gear, B) ** 3 - _offset(gear, offset) * bracket)
+    cosine = np.cos(phase(gear, t))
+    bracket = _curvature_bracket(gear, cosine)
+    return bracket / (_distance(gear, cosine) ** 3 - _offset(gear, offset) * bracket)
 
 
 def turning_rate(gear: CycloidGear, t: npt.ArrayLike) -> Array:
     """Differentiate `normal_angle` by t: [E^2 + c^2 N^3 - E c N (N+1) cos B] / l^2, shape (...)."""
-    B = phase(gear, t)
-    return _curvature_bracket(gear, B) / pitch_distance(gear, B) ** 2
+    cosine = np.cos(phase(gear, t))
+    return _curvature_bracket(gear, cosine) / _distance(gear, cosine) ** 2
 
 
 def arc_rate(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
@@ -328,7 +327,7 @@ def undercut_radius(gear: CycloidGear) -> float:
     N, c, E, _ = gear.symbols
     stationary_cosine = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
     B = np.arccos(np.array([1.0, -1.0, stationary_cosine] if abs(stationary_cosine) < 1 else [1.0, -1.0]))
-    numerator = _curvature_bracket(gear, B)
+    numerator = _curvature_bracket(gear, np.cos(B))
     is_convex = numerator > 0
     return float(np.min(pitch_distance(gear, B[is_convex]) ** 3 / numerator[is_convex]))
 
@@ -493,10 +492,16 @@ def _offset(gear: CycloidGear, offset: float | None) -> float:
     return gear.pin_radius if offset is None else offset
 
 
-def _curvature_bracket(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+def _distance(gear: CycloidGear, cosine: Array) -> Array:
+    """Compute the `pitch_distance` l [m] from cos B."""
+    N, c, E, _ = gear.symbols
+    return np.sqrt(E**2 + (c * N) ** 2 - 2 * E * c * N * cosine)
+
+
+def _curvature_bracket(gear: CycloidGear, cosine: Array) -> Array:
     """Compute the bracket E^2 + c^2 N^3 - E c N (N+1) cos B [m^2] of the curvature: l^2 times the turning rate."""
     N, c, E, _ = gear.symbols
-    return E**2 + c**2 * N**3 - E * c * N * (N + 1) * np.cos(B)
+    return E**2 + c**2 * N**3 - E * c * N * (N + 1) * cosine
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array, Integers, Mask, quarter_turned, rotate
+from cycloid_mj.base.array import Array, Integers, Mask, dot, quarter_turned, rotate
 from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.deviations import profile_error
@@ -126,7 +126,8 @@ def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
     """
     angles = np.asarray(crank_angle, dtype=np.float64)
     discs = range(len(reducer.phases))
-    return _concatenate([mesh_gaps(reducer, angles), *(_output_gaps(reducer, angles, disc) for disc in discs)])
+    parts = [part(reducer, angles, disc) for part in (_arc_gaps, _output_gaps) for disc in discs]
+    return _concatenate(parts)
 
 
 def mesh_gaps(reducer: "Reducer", crank_angle: Array) -> Gaps:
@@ -188,12 +189,13 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = modification.rotation * np.sign(arm)
     tangent = quarter_turned(inward_normal)
-    sliding_arm = np.sum(tangent * quarter_turned(lines.points - centre), axis=-1)
+    sliding_arm = dot(tangent, quarter_turned(lines.points - centre))
     centre_arm = sliding_arm - gear.pin_radius
     curvature_before, middle_curvature, curvature_after = (
         profile.curvature(gear, lines.t + t_increment, 0.0) for t_increment in (-_STEP, 0.0, _STEP)
     )
-    curvature_rate = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
+    arc_rate = profile.pitch_distance(gear, profile.phase(gear, lines.t))  # of the trochoid, by its parameter
+    curvature_rate = (curvature_after - curvature_before) / (2.0 * _STEP * arc_rate)
     wear_depth = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
@@ -202,11 +204,11 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         clearance=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
         distance=flank_rotation * arm
-        - np.sum(displacement * inward_normal, axis=-1)
+        - dot(displacement, inward_normal)
         + profile_error(errors.waves, lines.t)
         + wear_depth,
         slope=_gradient_by_pose(reducer, disc, inward_normal, arm, np.zeros(arm.shape)),
-        shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
+        shift=dot(displacement, tangent) - flank_rotation * centre_arm,
         shift_slope=_gradient_by_pose(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
         curvature=middle_curvature,
         curvature_rate=np.asarray(curvature_rate),
@@ -231,10 +233,7 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
     )
     tangent, hole_displacement = quarter_turned(push_direction), rotate(errors.hole_displacement[disc], -output_angle)
-    normal_arm, tangent_arm = (
-        np.sum(arm_vector * -quarter_turned(push_direction), axis=-1),
-        np.sum(arm_vector * push_direction, axis=-1),
-    )
+    normal_arm, tangent_arm = dot(arm_vector, -tangent), dot(arm_vector, push_direction)
     wear_depth = reducer.worn.of_output(np.arctan2(normal_arm, tangent_arm)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
@@ -242,9 +241,9 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         disc=np.full(output.pins, disc),
         clearance=np.full(normal_arm.shape, reducer.output_clearance),
         play=np.zeros(normal_arm.shape),
-        distance=np.sum(hole_displacement * push_direction, axis=-1) + wear_depth,
+        distance=dot(hole_displacement, push_direction) + wear_depth,
         slope=_gradient_by_pose(reducer, disc, push_direction, normal_arm, -normal_arm),
-        shift=-np.sum(hole_displacement * tangent, axis=-1),
+        shift=-dot(hole_displacement, tangent),
         shift_slope=_gradient_by_pose(reducer, disc, -tangent, -tangent_arm, tangent_arm),
         curvature=np.full(normal_arm.shape, -1.0 / gear.eccentricity),
         curvature_rate=np.zeros(normal_arm.shape),
