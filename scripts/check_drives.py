@@ -60,7 +60,7 @@ NEW_DRIVES: Mapping[str, str] = {
     "--set shaft.cam_joint=one_piece",
     "milled-crossed-roller": "--process milled --ratio 19 --diameter-mm 100 --torque-nm 4 "
     "--set output.main_bearings=crossed_roller",
-    "printed": "--process printed --ratio 15 --diameter-mm 70 --torque-nm 1.5 --speed-rpm 200 --life-h 500",
+    "printed-one-disc": "--process printed --ratio 15 --diameter-mm 70 --torque-nm 1.5 --speed-rpm 200 --life-h 500",
     "printed-two-discs": "--process printed --ratio 21 --diameter-mm 110 --torque-nm 3 --discs 2",
     "rv-main-bearings": "--layout rv --ratio 121 --diameter-mm 190 --torque-nm 412 "
     "--set cranks.main_bearings=angular_contact",

@@ -62,9 +62,10 @@ def remedies(
     length_changes
         Feasible changes of the length.
     """
-    if not pool:  # no drive of this size exists: that of the next larger size predicts others
+    if not pool:  # no drive of this size exists: that of the next larger size, or with free sizes, predicts others
         larger = (change.requirement for change in list_changes(requirement, "diameter")[3::4])
-        pools = (create_pool(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
+        others = itertools.chain(larger, [requirement.but(custom=True)])
+        pools = (create_pool(changed.but(discs=changed.numbers_of_discs[0])) for changed in others)
         pool = next(filter(None, pools), None)
     if not pool:
         return
@@ -225,13 +226,13 @@ def _processes(requirement: Requirement) -> Changes:
 def _combined_changes(requirement: Requirement) -> Iterator[Changes]:
     """Yield combined changes of a requirement: a process, a length and a crank speed, with a series of diameters.
 
-    The process is the one that allows the largest torque, with sizes in stock, then free ones; or that of the
-    requirement. The length is the required one, or twice the diameter. The speed is the required one, a quarter, or a
+    The process is the one that allows the largest torque, or that of the requirement, each with the required sizes of
+    pins and bearings, then with free ones. The length is the required one, or twice the diameter. The speed is the required one, a quarter, or a
     sixteenth of it.
     """
-    kinds = [(process, requirement.custom) for process in PROCESSES[requirement.process].stronger[-1:]]
-    kinds += [(process, True) for process, _ in kinds]
-    for process, is_custom in dict.fromkeys([*kinds, (requirement.process, requirement.custom)]):
+    processes = *PROCESSES[requirement.process].stronger[-1:], requirement.process
+    kinds = ((process, custom) for process in processes for custom in (requirement.custom, True))
+    for process, is_custom in dict.fromkeys(kinds):
         texts = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
         texts += ["free sizes of pins and bearings"] if is_custom != requirement.custom else []
         base = (

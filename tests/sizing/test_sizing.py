@@ -336,8 +336,10 @@ def test_candidates_of_free_sizes_without_room_for_a_bore_are_left_out() -> None
 
 
 @pytest.mark.slow
-def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> None:
-    refused = size_drive(Requirement(7, 0.032, 0.02))
+@pytest.mark.parametrize("asked", [Requirement(7, 0.032, 0.02), Requirement(6, 0.269, 80.3)], ids=["small", "large"])
+def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative(asked: Requirement) -> None:
+    """No larger diameter has parts in stock either for the large drive, which free sizes alone do not make feasible."""
+    refused = size_drive(asked)
     assert "no pins and bearings in stock fit" in refused.refusal
     assert any(way.requirement.custom for way in refused.remedies)
     require_kept(refused, ways=1)
