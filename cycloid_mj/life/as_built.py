@@ -15,14 +15,17 @@ from cycloid_mj.explore.jam import PRELOADS, find_jams
 from cycloid_mj.explore.sampling import Batch, draw_samples, has_design_file, sample_design, tolerance_zones
 from cycloid_mj.explore.tolerance_zones import has_tolerances
 from cycloid_mj.figures import compute_sampled
+from cycloid_mj.figures.sampled import solve_states
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 from cycloid_mj.statics.samples import Samples
 
 Parts = Literal["perfect", "toleranced"]
 """Parts that are rated: as designed, or within the tolerances of the design."""
 
-FORCES = {"tooth_force_n": "tooth", "output_pin_force_n": "output pin", "cam_force_n": "cam"}
-"""Figures that rank the samples, in words."""
+RANKS = {"tooth_pressure": "tooth {:.4g} MPa", "output_pin": "output pin {:.4g} N", "cam": "cam {:.4g} N"}
+"""Figures that rank the samples, by attribute of `SampleFigures`, in words.
+
+Teeth are ranked by their pressure: the lives of samples with equal forces differ by a factor of two."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class SampleSettings:
     samples: int = 200
     """Number of samples, those of the first batch of a tolerance study."""
     percentile: float = 95.0
-    """Percentile of each force over the samples that turn."""
+    """Percentile of each quantity of `RANKS` over the samples that turn."""
     seed: int = 0
     loaded_angles: int = 90
     """Crank angles under load: at 360, the percentiles of the forces differ by less than 1 %."""
@@ -56,7 +59,7 @@ class RatedSamples:
     Attributes
     ----------
     numbers, designs
-        Numbers, from 0, and designs of the samples at the percentile of each force of `FORCES`.
+        Numbers, from 0, and designs of the samples at the percentile of each quantity of `RANKS`.
     words
         The study in words.
     jams, backlash
@@ -76,16 +79,16 @@ def default_parts(design: Design) -> Parts:
 
 
 def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]:
-    """Return the numbers of those tolerance samples that probably have the largest tooth forces.
+    """Return the numbers of those tolerance samples that probably have the largest tooth pressures.
 
     `reducers` are several similar reducers with tolerances. A sample is a random drive within the tolerances; its
-    random numbers, and so roughly the rank of its force, are the same for all reducers. The `SETTINGS.likely_samples`
-    samples with the largest mean logarithm of the force are returned, numbered from 0; none if the reducers have no
-    tolerances or no sample has a static equilibrium.
+    random numbers, and so roughly the rank of its pressure, are the same for all reducers. The
+    `SETTINGS.likely_samples` samples with the largest mean logarithm of the pressure are returned, numbered from 0;
+    none if the reducers have no tolerances or no sample has a static equilibrium.
     """
     sample_numbers = range(SETTINGS.samples)
-    forces = [force for reducer in reducers if (force := _tooth_forces(reducer, sample_numbers)) is not None]
-    log_ratios = [np.log(force / np.nanmedian(force)) for force in forces if np.isfinite(force).any()]
+    pressures = [array for reducer in reducers if (array := _tooth_pressures(reducer, sample_numbers)) is not None]
+    log_ratios = [np.log(array / np.nanmedian(array)) for array in pressures if np.isfinite(array).any()]
     if not log_ratios:
         return ()
     mean_log_ratios = np.mean(log_ratios, axis=0)
@@ -94,25 +97,25 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
 
 
 def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
-    """Return the number of the tolerance sample whose tooth force is the 95th percentile of all samples.
+    """Return the number of the tolerance sample whose tooth pressure is the 95th percentile of all samples.
 
     A sample is a random drive within the tolerances. Samples are numbered from 0 to `SETTINGS.samples` - 1. Only those
-    in `numbers`, from `find_likely_critical_samples`, are computed; the others are assumed to have smaller forces. The
-    percentile is `SETTINGS.percentile`. None if the design has no tolerances; the first of `numbers` if no sample has a
-    static equilibrium.
+    in `numbers`, from `find_likely_critical_samples`, are computed; the others are assumed to have smaller pressures.
+    The percentile is `SETTINGS.percentile`. None if the design has no tolerances; the first of `numbers` if no sample
+    has a static equilibrium.
     """
-    force = _tooth_forces(reducer, numbers) if numbers else None
-    if force is None:
+    pressure = _tooth_pressures(reducer, numbers) if numbers else None
+    if pressure is None:
         return None
-    larger_count = min(SETTINGS.samples - 1 - _rank(SETTINGS.samples), int(np.isfinite(force).sum()) - 1)
-    descending_order = np.argsort(-np.nan_to_num(force, nan=-math.inf), kind="stable")
+    larger_count = min(SETTINGS.samples - 1 - _rank(SETTINGS.samples), int(np.isfinite(pressure).sum()) - 1)
+    descending_order = np.argsort(-np.nan_to_num(pressure, nan=-math.inf), kind="stable")
     return numbers[int(descending_order[max(larger_count, 0)])]
 
 
-def _tooth_forces(reducer: Reducer, sample_numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force over a turn at the nominal torque [N] of some tolerance samples.
+def _tooth_pressures(reducer: Reducer, sample_numbers: Sequence[int]) -> Array | None:
+    """Compute the largest tooth pressure over a turn at the nominal torque [Pa] of some tolerance samples.
 
-    `sample_numbers` are their numbers, and the result has as many elements. The force is NaN for a sample without
+    `sample_numbers` are their numbers, and the result has as many elements. The pressure is NaN for a sample without
     static equilibrium. Return None if the design has no tolerances.
     """
     if not (zones := tolerance_zones(reducer)):
@@ -121,7 +124,7 @@ def _tooth_forces(reducer: Reducer, sample_numbers: Sequence[int]) -> Array | No
     selected_samples = Samples(
         **{field.name: getattr(samples, field.name)[list(sample_numbers)] for field in fields(samples)}
     )
-    return compute_sampled(reducer, selected_samples, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
+    return solve_states(reducer, selected_samples, ["loaded"], SETTINGS.ranking_angles)["loaded"].tooth_pressure
 
 
 def _rank(sample_count: int) -> int:
@@ -131,12 +134,12 @@ def _rank(sample_count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those at the 95th percentile of their largest forces.
+    """Draw random designs within the tolerances, and select those at the 95th percentile of their largest loads.
 
-    The forces are those on tooth, output pin and cam, or on tooth, crank bearing and planet in an RV reducer, at the
-    nominal torque without friction. For each kind of force, the sample at `SETTINGS.percentile` (95 %) of all samples
-    that do not jam is selected. The result has these designs; for all samples, it has whether they jam, and their
-    backlash [arcmin] (NaN for RV reducers).
+    The loads are the pressure of a tooth and the forces on output pin and cam, or the forces on tooth, crank bearing
+    and planet in an RV reducer, at the nominal torque without friction. For each kind of load, the sample at
+    `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has these designs; for all
+    samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
 
     Raises
     ------
@@ -155,7 +158,12 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
         return _select_rv_samples(reducer)
     zones = tolerance_zones(reducer)
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    values_by_figure = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
+    loaded = solve_states(reducer, samples, ["loaded"], SETTINGS.loaded_angles)["loaded"]
+    values_by_figure = {
+        "tooth_force_n": loaded.tooth,
+        "output_pin_force_n": loaded.output_pin,
+        "cam_force_n": loaded.cam,
+    }
     values_by_figure |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
     jams = find_jams(values_by_figure)
     usable_numbers = np.flatnonzero(~jams & has_design_file(reducer, samples))
@@ -164,7 +172,8 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    sample_numbers, selection_text = _select_critical_samples(values_by_figure, FORCES, usable_numbers)
+    loads = {"tooth_pressure": 1e-6 * loaded.tooth_pressure, "output_pin": loaded.output_pin, "cam": loaded.cam}
+    sample_numbers, selection_text = _select_critical_samples(loads, RANKS, usable_numbers)
     return RatedSamples(
         sample_numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, sample_number) for sample_number in sample_numbers),
@@ -178,7 +187,8 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
     """Return `select_rated_samples` of an RV reducer with tolerances; none of its samples jams."""
     sample_count = SETTINGS.samples
     forces = rv_samples.compute_rv_forces(reducer, sample_count, SETTINGS.seed, SETTINGS.rv_angles)
-    sample_numbers, selection_text = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(sample_count))
+    words = {key: f"{name} {{:.4g}} N" for key, name in rv_samples.RATED_FORCES.items()}
+    sample_numbers, selection_text = _select_critical_samples(forces, words, np.arange(sample_count))
     designs = tuple(
         rv_samples.draw_rv_drive(reducer, SETTINGS.seed, sample_number)[0] for sample_number in sample_numbers
     )
@@ -188,28 +198,31 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
 
 
 def _select_critical_samples(
-    forces: Mapping[str, Array], name_by_force: Mapping[str, str], usable_numbers: Integers
+    loads: Mapping[str, Array], words: Mapping[str, str], usable_numbers: Integers
 ) -> tuple[tuple[int, ...], str]:
-    """Select for each kind of force the tolerance sample at the percentile `SETTINGS.percentile` of all usable samples.
+    """Select the tolerance samples with the largest load of each kind, up to the percentile of all usable samples.
 
-    Return the numbers of these samples without duplicates, and a sentence on the selection with their forces.
+    A sample in which any kind of load exceeds its percentile (`SETTINGS.percentile`) is not selected. Otherwise a
+    sample selected for the force of its output pins could have a tooth pressure far beyond the percentile. Return the
+    numbers of the samples without duplicates, and a sentence on the selection with their loads.
 
     Parameters
     ----------
-    forces
-        Forces of all samples [N] by key, shape (samples,) each.
-    name_by_force
-        Keys of the forces that rank the samples, such as "tooth_force_n", with their names in the sentence.
+    loads
+        Forces [N] or pressures [MPa] of all samples by key, shape (samples,) each.
+    words
+        Keys of the loads that rank the samples -> their words in the sentence, with a place for the value.
     usable_numbers
         Numbers of the samples that may be selected: those that turn and can be written as a design.
     """
-    rank = _rank(usable_numbers.size)
-    number_by_force = {
-        key: int(usable_numbers[np.argsort(forces[key][usable_numbers], kind="stable")][rank]) for key in name_by_force
-    }
-    force_text = ", ".join(f"{name} {forces[key][number_by_force[key]]:.4g} N" for key, name in name_by_force.items())
-    return tuple(dict.fromkeys(number_by_force.values())), (
+    usable_loads = np.array([loads[key][usable_numbers] for key in words])
+    percentiles = np.sort(usable_loads, axis=1)[:, [_rank(usable_numbers.size)]]
+    is_within = np.all(usable_loads <= percentiles, axis=0)
+    largest = np.argmax(np.where(is_within, usable_loads, -np.inf), axis=1)
+    numbers = dict(zip(words, usable_numbers[largest].tolist(), strict=True))
+    load_text = ", ".join(text.format(loads[key][numbers[key]]) for key, text in words.items())
+    return tuple(dict.fromkeys(numbers.values())), (
         "parts within the tolerances of the design: the weakest items of the samples at the "
-        f"{SETTINGS.percentile:g} % percentile of the largest forces, {force_text}, at the nominal torque without "
+        f"{SETTINGS.percentile:g} % percentile of the largest loads, {load_text}, at the nominal torque without "
         f"friction; {SETTINGS.samples} samples"
     )

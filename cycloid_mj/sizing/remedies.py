@@ -227,8 +227,8 @@ def _combined_changes(requirement: Requirement) -> Iterator[Changes]:
     """Yield combined changes of a requirement: a process, a length and a crank speed, with a series of diameters.
 
     The process is the one that allows the largest torque, or that of the requirement, each with the required sizes of
-    pins and bearings, then with free ones. The length is the required one, or twice the diameter. The speed is the required one, a quarter, or a
-    sixteenth of it.
+    pins and bearings, then with free ones. The length is the required one, or twice the diameter. The speed is the
+    required one, a quarter, or a sixteenth of it.
     """
     processes = *PROCESSES[requirement.process].stronger[-1:], requirement.process
     kinds = ((process, custom) for process in processes for custom in (requirement.custom, True))

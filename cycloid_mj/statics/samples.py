@@ -114,6 +114,8 @@ class SampleFigures:
         Largest forces [N].
     carrying
         Mean number of teeth with at least 1 % of the largest force.
+    tooth_pressure
+        Largest Hertz pressure of a tooth [Pa].
 
     All figures of a sample without equilibrium are NaN.
     """
@@ -126,6 +128,7 @@ class SampleFigures:
     output_pin: Array
     cam: Array
     carrying: Array
+    tooth_pressure: Array
 
 
 def solve_samples(
@@ -180,8 +183,16 @@ def solve_samples(
         output_mean = {"output_mean": output_share * figures.output_mean + twist * torque}
         # with the friction force of a plain cam, as in `Loads`
         cam_force = figures.cam / springs.cam_normal_share
+        # Hertz: in proportion to the root of force times curvature
+        unit_pressure = ideal_reducer.contacts[reducer.design.tooth_pair].pressure(1.0, 1.0)
         solved_batches.append(
-            replace(figures, cam=cam_force, **output_mean, output_range=output_share * figures.output_range)
+            replace(
+                figures,
+                cam=cam_force,
+                tooth_pressure=unit_pressure * np.sqrt(figures.tooth_pressure),
+                **output_mean,
+                output_range=output_share * figures.output_range,
+            )
         )
     return solved_batches
 
@@ -262,12 +273,13 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     Returns
     -------
     Effects
-        Five arrays, with k crank angles and n contacts, first those of the teeth, then those of the output pins.
+        Six arrays, with k crank angles and n contacts, first those of the teeth, then those of the output pins.
         `distance` and `shift` (k, n, 4) are the derivatives of the gaps along the normals, and of the displacements
         along the tangents, by position of pin or hole in x and in y [1], pin circle [1] and flank rotation [m/rad].
         `cam_position` (k, D, 2) [1] is the derivative of the D cams' positions by the eccentricity. `turned` (k, 2) has
         cosine and sine of the crank angle. `waves` (k, n, 1 + 2 orders) has in its first column the change of the gaps
         by `common_waves` [m], and in the others the derivative of the gaps by each cosine and each sine amplitude [1].
+        `curvature` (k, teeth) [1/m] is the relative curvature of the teeth.
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)
@@ -301,6 +313,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         cam_displacements(unit_reducer, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
         _wave_effects(reducer, springs, orders, common_waves),
+        springs.curvature,
     )
 
 

@@ -67,10 +67,13 @@ def test_the_statics_of_a_sample_equal_those_of_a_design_with_its_errors(name: s
     crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     for number in range(len(made)):
         one = as_made(design, made, number)
-        alone = loads(Reducer(one), springs_of(Reducer(one), crank, friction), torque)
+        springs = springs_of(Reducer(one), crank, friction)
+        alone = loads(Reducer(one), springs, torque)
+        pressure = Reducer(one).contacts[design.tooth_pair].pressure(alone.teeth, springs.curvature)
         assert found.output_mean[number] == pytest.approx(alone.output_turn.mean(), rel=3e-5)
         assert found.gear_range[number] == pytest.approx(np.ptp(alone.gear_turn), rel=2e-4)
         assert found.tooth[number] == pytest.approx(alone.teeth.max(), rel=1e-4)
+        assert found.tooth_pressure[number] == pytest.approx(pressure.max(), rel=1e-3)
         assert found.output_pin[number] == pytest.approx(alone.output.max(), rel=1e-4)
         assert found.cam[number] == pytest.approx(np.linalg.norm(alone.cam[:, 0], axis=1).max(), rel=1e-4)
 

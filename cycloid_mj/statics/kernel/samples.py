@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import FIRST, TRUE, KernelSprings
 from cycloid_mj.statics.kernel.search import solve_equilibria_briefly, solve_equilibria_with_paths
@@ -15,9 +15,9 @@ CARRYING_SHARE = 0.01
 """Smallest force of a loaded tooth, relative to the largest over the turn (heuristic)."""
 
 
-FIGURES = 9
+FIGURES = 10
 """Figures of a sample: mean and range of the rotations of disc and output; largest force of a tooth, an output pin and
-the cam; mean number of loaded teeth; residual."""
+the cam; mean number of loaded teeth; largest product of force and curvature of a tooth; residual."""
 
 
 class Effects(NamedTuple):
@@ -28,6 +28,7 @@ class Effects(NamedTuple):
     flanks [m/rad]. `cam_position` (k, D, 2) [1] is the displacement of the cams per error of the eccentricity, and
     `turned` (k, 2) are cosine and sine of the crank angle. `waves` (k, n, w) is the effect of the profile's waves on
     `distance`: in the first column that of the waves of all samples together [m], then that of each amplitude [1].
+    `curvature` (k, teeth) [1/m] is the relative curvature of the teeth, which come first among the contacts.
     """
 
     distance: Array
@@ -35,6 +36,7 @@ class Effects(NamedTuple):
     cam_position: Array
     turned: Array
     waves: Array
+    curvature: Array
 
 
 class SampleDeviations(NamedTuple):
@@ -150,7 +152,7 @@ def solve_few_samples(
                 residual = solve_equilibria_with_paths(springs, load[t], z, force, TRUE, system)
             _write_sample_quantities(
                 ideal.radius,
-                ideal.rotates,
+                effects.curvature,
                 workspace.cam_position,
                 deviations.cam[sample],
                 ideal.cam_stiffness,
@@ -219,7 +221,7 @@ def _fill_sample(
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def _write_sample_quantities(
     radius: float,
-    is_tooth: Mask,
+    curvature: Array,
     cam_position: Array,
     cam_clearance: float,
     cam_stiffness: float,
@@ -234,8 +236,9 @@ def _write_sample_quantities(
 
     Parameters
     ----------
-    radius, is_tooth
-        Radius of the circle of output pins [m], and which contacts are teeth (n,).
+    radius, curvature
+        Radius of the circle of output pins [m], and relative curvature of the teeth, the first contacts (k, teeth)
+        [1/m].
     cam_position, cam_clearance, cam_stiffness
         Positions (k, D, 2) [m], clearance [m] and stiffness [N/m] of the cams.
     z
@@ -245,7 +248,7 @@ def _write_sample_quantities(
     row
         Output array. 0, 1: mean and range, over the crank angles, of the average rotation of the discs [rad]. 2, 3:
         mean and range of the rotation of the output [rad]. 4 to 6: largest force on a tooth, an output pin and a cam
-        [N]. 7: mean number of loaded teeth.
+        [N]. 7: mean number of loaded teeth. 8: largest product of force and curvature of a tooth [N/m].
     """
     angles, disc_count = len(z), cam_position.shape[1]
     for is_output in range(2):
@@ -256,11 +259,13 @@ def _write_sample_quantities(
                 rotation += z[k, 3 * disc + 2] / disc_count
             rotation_sum, min_turn, max_turn = rotation_sum + rotation, min(min_turn, rotation), max(max_turn, rotation)
         row[2 * is_output], row[2 * is_output + 1] = rotation_sum / angles / radius, (max_turn - min_turn) / radius
-    tooth_force = pin_force = cam_force = 0.0
+    teeth = curvature.shape[1]
+    tooth_force = pin_force = cam_force = curved_force = 0.0
     for k in range(angles):
         for i in range(force.shape[1]):
-            if is_tooth[i]:
+            if i < teeth:
                 tooth_force = max(tooth_force, force[k, i])
+                curved_force = max(curved_force, force[k, i] * curvature[k, i])
             else:
                 pin_force = max(pin_force, force[k, i])
         for disc in range(disc_count):
@@ -270,7 +275,7 @@ def _write_sample_quantities(
             cam_force = max(cam_force, 0.5 * cam_stiffness * (contact.depth + contact.total_depth))
     loaded_teeth = 0
     for k in range(angles):
-        for i in range(force.shape[1]):
-            if is_tooth[i] and force[k, i] > CARRYING_SHARE * tooth_force:
+        for i in range(teeth):
+            if force[k, i] > CARRYING_SHARE * tooth_force:
                 loaded_teeth += 1
-    row[4], row[5], row[6], row[7] = tooth_force, pin_force, cam_force, loaded_teeth / angles
+    row[4], row[5], row[6], row[7], row[8] = tooth_force, pin_force, cam_force, loaded_teeth / angles, curved_force
