@@ -89,7 +89,14 @@ def test_summary_agrees_with_the_measures(name):
     assert f"weakest: {rating.weakest.name}: " in text
 
 
-@pytest.mark.parametrize("name", ["printed", "twodisc", pytest.param("rv80e", marks=pytest.mark.slow)])
+def test_an_rv_reducer_has_its_summary_as_text_only():
+    code, out, _ = told("design", "check", "rv80e", "--json")
+    assert code == 0
+    assert json.loads(out)["summary"] is None
+    assert "ratio 153, 3 cranks on a radius of" in told("design", "check", "rv80e")[1]
+
+
+@pytest.mark.parametrize("name", ["printed", "twodisc"])
 def test_the_summary_has_the_numbers_of_the_catalogue(name):
     """Under the catalogue's keys; the old key `loaded_teeth` is the count of one disc here."""
     found = json.loads(told("design", "check", name, "--json")[1])["summary"]
