@@ -106,7 +106,7 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
     return [
         _clearance_input(reducer, "mesh play", mesh_pairs, INPUTS.clearance),
         _clearance_input(reducer, "cam play", ["cam"], INPUTS.cam_clearance),
-        _equal_input(
+        _shared_value_input(
             reducer,
             "cam stiffness",
             "N/m",
@@ -115,8 +115,8 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
             [share * stiffness for share in INPUTS.cam_stiffness],
         ),
         *(_film_inputs(reducer) if design.has_film else _coulomb_inputs(reducer, mesh_pairs)),
-        _equal_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
-        _equal_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
+        _shared_value_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
+        _shared_value_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
     ]
 
 
@@ -129,11 +129,11 @@ def _rv_inputs(reducer: RvReducer, mesh_pairs: Sequence[str]) -> list[Input]:
         _film_inputs(reducer)
         if reducer.design.has_film
         else [
-            _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
-            _equal_input(
+            _shared_value_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
+            _shared_value_input(
                 reducer, "friction of the crank bearings", "1", "friction", ["cam_rolling"], INPUTS.bearing_friction
             ),
-            _equal_input(reducer, "friction of the planets", "1", "planet", ["friction"], INPUTS.tooth_friction),
+            _shared_value_input(reducer, "friction of the planets", "1", "planet", ["friction"], INPUTS.tooth_friction),
         ]
     )
     return [_clearance_input(reducer, "mesh play", mesh_pairs, INPUTS.clearance), *friction]
@@ -146,7 +146,7 @@ def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
     """
     design = reducer.design
     return [
-        _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
+        _shared_value_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
         _bearing_input(reducer, "cam", design.gear.bearing == "rolling", INPUTS.bearing_friction),
         _bearing_input(
             reducer, "output", design.output.has_needles, (INPUTS.bearing_friction[0], plain_roller(reducer))
@@ -163,7 +163,7 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
         ("roughness", RANGES["roughness"], friction.roughness, "um", 1e6),
     ):
         limits = [factor * design_value for factor in (factor_range.low, factor_range.high)]
-        inputs.append(_equal_input(reducer, factor_range.name, unit, "friction", [key], limits, unit_factor))
+        inputs.append(_shared_value_input(reducer, factor_range.name, unit, "friction", [key], limits, unit_factor))
     if reducer.design.output.has_needles and not isinstance(reducer, RvReducer):
         inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
     return inputs
@@ -234,19 +234,21 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
     }
 
 
-def _equal_input(
+def _shared_value_input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an assumed input that sets several values in a table of the design file to the same value.
+    """Return an input of the spread study: an assumption, such as a friction, not a value that the user has stated.
+
+    The study sets several values in a table of the design file to the same value within a range.
 
     Parameters
     ----------
     name, unit
-        Name of the input, and the unit of its value in tables.
+        Name of the input, and the unit in which reports show its value.
     table, keys
-        Table of the design file, and the keys in it.
+        Table of the design file, and the keys in it that are set.
     limits
-        Both ends of the range [SI].
+        Smallest and largest value [SI].
     scale
         Factor from SI to `unit`.
     """
@@ -294,4 +296,4 @@ def _bearing_input(reducer: Reducer, kind: str, has_rollers: bool, rolling_range
     name, key, limits = (
         ("'s rollers", f"{kind}_rolling", rolling_range) if has_rollers else (", sliding", kind, INPUTS.tooth_friction)
     )
-    return _equal_input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], limits)
+    return _shared_value_input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], limits)

@@ -165,7 +165,7 @@ def _first_above(function: Callable[[int], float], bound: float, low: int, high:
 
 
 def _shorten_remedy(remedy: FeasibleChange, required: float) -> FeasibleChange:
-    """Replace the length in a remedy by the smallest feasible length, if it exceeds the `required` length [m]."""
+    """Replace a length in a remedy that exceeds the `required` length [m] by the smallest feasible length."""
     changed = remedy.requirement
     length = least_length(create_pools(changed)) if changed.length > required else math.inf
     if not length < changed.length:

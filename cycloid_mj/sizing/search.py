@@ -513,11 +513,11 @@ class Pool:
         return full if full and full.passed else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
-        """Compute the torque limits of a drive with toleranced parts at a torque [N m], and its tolerance study.
+        """Rate a drive with toleranced parts under a torque [N m], and study samples of its tolerances.
 
-        The backlash becomes the 99th percentile of the study, and `passed` says whether the drive carries the torque
-        and enough samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
-        `SETTINGS.min_yield`).
+        The backlash of the result is the 99th percentile of the samples. `passed` says whether no torque limit is below
+        the torque, and enough samples turn and have the required backlash. The result is None if the drive cannot be
+        rated, or if too many samples jam (see `SETTINGS.min_yield`).
         """
         drive = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, drive.reducer) if drive else {}

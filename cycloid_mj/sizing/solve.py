@@ -38,9 +38,9 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     -------
     tuple
         Three values. If the requirement is feasible: the best drive with the set of candidates that was searched (its
-        pool), an answer without drives yet, and None. Otherwise: None; the answer with the largest torque, what limits
-        it, and the smallest feasible length as a remedy; and the pool of the drive with this torque, or None if there
-        are no candidates.
+        pool), an answer to which the caller adds the drives, and None. Otherwise: None; the answer with the largest
+        torque, what limits it, and the smallest feasible length as a remedy; and the pool in which the drive with this
+        torque was found, or None if there are no candidates.
     """
     trial, failed = _search_pools(requirement)
     if trial:

@@ -50,8 +50,8 @@ class SeatNotch:
     diameter: float = 40e-3
     min_strength: float = 0.4
 
-    def tested_factors(self, tensile: float) -> tuple[float, float]:
-        """Return the notch factors (bending, torsion) [1] of a shaft of the tested `diameter`.
+    def specimen_factors(self, tensile: float) -> tuple[float, float]:
+        """Return the fatigue notch factors (bending, torsion) [1] of the specimens, shafts of `diameter` (DIN 743-2).
 
         `tensile` is the tensile strength of the shaft [Pa].
         """
@@ -87,7 +87,7 @@ def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
         return None
     bending, torsion = (
         factor * _size_influence(factor, seat.diameter) / _size_influence(factor, diameter)
-        for factor in seat.tested_factors(tensile)
+        for factor in seat.specimen_factors(tensile)
     )
     return bending, torsion
 

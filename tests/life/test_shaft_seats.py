@@ -33,23 +33,23 @@ def item(*changes: str):
 
 @pytest.mark.parametrize("strength", DIN_743_2_TABLE_1)
 def test_notch_factors_agree_with_the_table_of_din_743(strength: int) -> None:
-    key, press = (SEATS[name].tested_factors(1e6 * strength)[0] for name in ("key", "shrink"))
+    key, press = (SEATS[name].specimen_factors(1e6 * strength)[0] for name in ("key", "shrink"))
     assert (key, press) == pytest.approx(DIN_743_2_TABLE_1[strength], abs=0.051)
 
 
 @pytest.mark.parametrize("strength", PRESS_FITS_IN_TORSION)
 def test_press_fits_in_torsion_have_no_offset(strength: int) -> None:
     """The offset of 0.1 of a key would make each of the nine factors of a press fit larger than the printed one."""
-    bending, torsion = SEATS["shrink"].tested_factors(1e6 * strength)
+    bending, torsion = SEATS["shrink"].specimen_factors(1e6 * strength)
     assert torsion == pytest.approx(0.65 * bending)
     assert round(torsion, 1) == PRESS_FITS_IN_TORSION[strength]
 
 
 def test_torsion_and_splines_follow_din_743() -> None:
     """A key: 0.56 x 3 + 0.1; a press fit: 0.65 x 2.7; a spline: exp(4.2e-7 x 1000^2), 1 + 0.45 of what exceeds 1."""
-    assert SEATS["key"].tested_factors(1e9)[1] == pytest.approx(1.78)
-    assert SEATS["shrink"].tested_factors(1e9)[1] == pytest.approx(1.755)
-    assert SEATS["spline"].tested_factors(1e9) == pytest.approx((1.2349, 1.5220), abs=1e-4)
+    assert SEATS["key"].specimen_factors(1e9)[1] == pytest.approx(1.78)
+    assert SEATS["shrink"].specimen_factors(1e9)[1] == pytest.approx(1.755)
+    assert SEATS["spline"].specimen_factors(1e9) == pytest.approx((1.2349, 1.5220), abs=1e-4)
 
 
 def test_thinner_shafts_than_those_of_the_tests_are_less_sensitive() -> None:

@@ -309,12 +309,13 @@ class Tangent(NamedTuple):
 
 @njit
 def _lever_arms(
-    contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
+    contact: Contact, sign: float, normal: float, tangent: float, centre: float, friction: float
 ) -> LeverArms:
-    """Return the factors that convert a contact force to forces on one body and its speeds to those of the contact.
+    """Return two sets of factors for one body, each with a factor for its unknowns x, y and rotation (`LeverArms`).
 
-    They are `LeverArms` by the unknowns of the body: x, y and rotation. Speeds of the contact are those along the
-    normal (nx, ny) and along the tangent (-ny, nx).
+    One set converts the normal force of a contact to force and torque on the body. The other converts the body's
+    speeds to the speeds of the contact along the normal (nx, ny) and along the tangent (-ny, nx), and to the tangential
+    speed of the centre of a round surface, which decides whether it rolls.
 
     Parameters
     ----------
@@ -326,15 +327,15 @@ def _lever_arms(
         Displacement of the contact point along normal and tangent per rotation of the body [m].
     centre
         Displacement of the centre of the round surface along the tangent per rotation of the body [m].
-    sliding
-        Friction per normal force [1] of a sliding contact; 0 if the contact sticks.
+    friction
+        Friction force per normal force [1] of a sliding contact; 0 if the contact sticks.
     """
     nx, ny = contact.nx, contact.ny
     normal_arms, tangent_arms = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
     push_arms = (
-        normal_arms[0] - sliding * tangent_arms[0],
-        normal_arms[1] - sliding * tangent_arms[1],
-        normal_arms[2] - sliding * tangent_arms[2],
+        normal_arms[0] - friction * tangent_arms[0],
+        normal_arms[1] - friction * tangent_arms[1],
+        normal_arms[2] - friction * tangent_arms[2],
     )
     return LeverArms(push_arms, normal_arms, tangent_arms, (tangent_arms[0], tangent_arms[1], sign * centre))
 

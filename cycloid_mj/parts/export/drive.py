@@ -53,9 +53,9 @@ def filling(part: str) -> float:
 
 
 def casing_inertia(reducer: Reducer) -> float:
-    """Compute the inertia [kg m2], reduced to the input, that the casing adds to the mechanism.
+    """Compute how much rotating parts of the casing change the inertia of the mechanism [kg m2], reduced to the input.
 
-    Hub and flange add to the inertia; the bore of the shaft reduces it.
+    Hub and flange of the output add to it, and the bore of the crankshaft reduces it, so the result may be negative.
 
     Raises
     ------
