@@ -196,9 +196,10 @@ def _follow_path(
     """Solve for equilibrium of contact springs with friction along a `path` of loads, with a given workspace.
 
     `path` (m, u) [N] are m loads on the u unknown displacements, and `friction_elements` are springs that slip at a
-    limit. `max_motion` [m] is the displacement of the output above which a step is halved. `positions` (rows,) and `z`
-    (rows, u) [m] are output arrays. Residual and number of filled rows are returned, as by `follow_path`. `increment`,
-    `old` and `new` are the workspace, from `_allocate_increment` and `_allocate_state`.
+    limit. `max_motion` [m] is the displacement of the output above which a step is halved. Output arrays are
+    `positions` (rows,), the fractional index in `path` of each solved step, and `z` (rows, u) [m], the displacements
+    there. Residual and number of filled rows are returned, as by `follow_path`. `increment`, and the states `old` and
+    `new` before and after a step, are the workspace, from `_allocate_increment` and `_allocate_state`.
     """
     load_count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
