@@ -160,6 +160,7 @@ def _test_rendering() -> Iterator[Finding]:
 
 
 def _check_extras() -> Iterator[Finding]:
+    """Yield a finding for each optional extra of the package: whether all its modules are installed."""
     for extra, modules in EXTRAS.items():
         missing_modules = [module for module in modules if find_spec(module) is None]
         extra_text = (

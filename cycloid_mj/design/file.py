@@ -607,6 +607,7 @@ def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Sectio
 
 
 def _unknown_design(path: Path) -> str:
+    """Return the error message for a design that is neither a preset nor a file, with the most similar name."""
     presets = ", ".join(PRESETS)
     folder = path.parent if path.parent.is_dir() else Path()
     files = [str(folder / name) for name in sorted(item.name for item in folder.glob("*.toml"))]

@@ -74,17 +74,17 @@ def life_curve(exponent: float) -> LifeCurve:
     return BALLS if exponent == BALL_EXPONENT else ROLLERS
 
 
-def reference_viscosity(speed: float, pitch: float) -> float:
+def reference_viscosity(speed: float, pitch_diameter: float) -> float:
     """Compute the reference kinematic viscosity nu_1 [mm2/s] of a bearing (ISO 281:2007, Eqs 28 and 29).
 
     Parameters
     ----------
     speed
         Speed of the rings against each other [rad/s], not 0.
-    pitch
+    pitch_diameter
         Pitch diameter [m].
     """
-    rpm, pitch_mm = abs(speed) / RPM, 1e3 * pitch
+    rpm, pitch_mm = abs(speed) / RPM, 1e3 * pitch_diameter
     factor = 45000.0 * rpm**-0.83 if rpm < 1000.0 else 4500.0 / math.sqrt(rpm)
     return factor / math.sqrt(pitch_mm)
 

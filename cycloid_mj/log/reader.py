@@ -193,7 +193,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 def _open_existing_log(path: Path) -> BinaryIO:
     """Open a log for reading; if it is not a readable file, raise LogError, with the names of similar files."""
     if not path.exists():
-        raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")
+        raise NoLogError(f"log {path} does not exist: {_nearest_logs_text(path)}")
     if not path.is_file():
         kind = "a folder" if path.is_dir() else "not a regular file"
         raise NoLogError(f"{path} is {kind}: choose a log file, such as run.mcap")
@@ -202,7 +202,8 @@ def _open_existing_log(path: Path) -> BinaryIO:
     return note_input(path).open("rb")
 
 
-def _alternatives(path: Path) -> str:
+def _nearest_logs_text(path: Path) -> str:
+    """Name the logs in the folder of a missing log whose names are nearest, for its error message."""
     if not path.parent.is_dir():
         return f"there is no folder {path.parent} either"
     log_names = sorted(entry.name for entry in path.parent.glob("*.mcap"))

@@ -31,6 +31,10 @@ def area_moments(polygon: Array) -> AreaMoments:
 
 @lru_cache(maxsize=64)  # designs that differ in a tolerance or a load share most of their outlines, of 0.2 MB each
 def _moments(vertices: bytes) -> AreaMoments:
+    """Compute the area and its first and second moments of a polygon by the shoelace formula.
+
+    `vertices` are the bytes of an array of shape (n, 2), which can be a key of a cache.
+    """
     polygon = np.frombuffer(vertices).reshape(-1, 2)
     x, y = polygon.T
     next_x, next_y = np.roll(polygon, -1, axis=0).T

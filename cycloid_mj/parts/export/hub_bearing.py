@@ -59,7 +59,7 @@ def choose_hub_bearing(
 
 
 def _choose_largest(
-    bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore: float, min_bore: float
+    bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore_radius: float, min_bore_radius: float
 ) -> stock.StockBearing:
     """Choose the largest bearing that fits on the hub of the output and into its cover.
 
@@ -69,7 +69,7 @@ def _choose_largest(
         Bearings in stock, the smallest first.
     max_radius
         Largest outer radius [m].
-    max_bore, min_bore
+    max_bore_radius, min_bore_radius
         Largest and smallest radius of the bore [m]; the largest is infinite for a bearing around the output disc.
 
     Raises
@@ -78,18 +78,18 @@ def _choose_largest(
         None of the bearings fits.
     """
     for bearing in reversed(bearings):
-        if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
+        if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore_radius <= bearing.bore <= 2.0 * max_bore_radius:
             return bearing
-    if math.isinf(max_bore):
+    if math.isinf(max_bore_radius):
         raise DesignError(
             "no standard bearing, with the space that it needs, fits around the output disc: its bore must be at least "
-            f"{2e3 * min_bore:.4g} mm and its outside diameter at most {2e3 * max_radius:.4g} mm. Choose a smaller "
-            'circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
+            f"{2e3 * min_bore_radius:.4g} mm and its outside diameter at most {2e3 * max_radius:.4g} mm. Choose a "
+            'smaller circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
         )
     raise DesignError(
-        f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
-        f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
-        "diameter, or a thinner shaft (shaft.radius_mm)"
+        f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore_radius:.4g} to "
+        f"{2e3 * max_bore_radius:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger "
+        "outer diameter, or a thinner shaft (shaft.radius_mm)"
     )
 
 
