@@ -382,24 +382,27 @@ class Pool:
         expected improvement is evaluated by the full computation, again and again, until no improvement is expected or
         `max_evaluations` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
         Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
-        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
-        within all limits of the objective.
+        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. Most studies of
+        drives that barely reach a capacity would fail, so only drives that passed reach a `goal` without a reserve. The
+        result is within all limits of the objective.
         """
         target_merit = objective.merit({objective.key: goal})
+        reserve = -math.log(SETTINGS.study_share) if study and objective.key == "capacity" else 0.0
         ratings, studies = 0.0, 0
         while True:
             figures, scale = self._known_quantities()
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
             best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
-            if not best >= target_merit and ratings < max_evaluations:
+            drive = None if row is None else self.rated[row]
+            is_reached = best >= target_merit + (0.0 if drive and drive.passed else reserve)
+            if not is_reached and ratings < max_evaluations:
                 cost = self._search_step(objective, figures, scale, row, best)
                 if cost is not None:
                     ratings += cost
                     continue
             if row is None or not math.isfinite(best):
                 return None
-            drive = self.rated[row]
             if not study or (drive and drive.passed):
                 return drive
             if studies == SETTINGS.studies:
