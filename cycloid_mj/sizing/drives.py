@@ -82,7 +82,8 @@ def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
         drive = pool.rated[row] if row is not None else None
         if row is not None and drive and not drive.passed and merit(drive) > min_merit:
             drive = pool.study(row)
-        if drive and drive.passed and merit(drive) > min_merit:
+        # a study at too large a torque is repeated at a smaller one
+        if drive and drive.passed and drive.torque >= requirement.torque and merit(drive) > min_merit:
             titles[drive] = f"{titles[drive]} and {title}" if drive in titles else title
     for drive, title in titles.items():
         yield _sized_drive(solution, drive, title.partition(" and ")[0], WHY[title])
