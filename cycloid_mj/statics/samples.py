@@ -177,24 +177,27 @@ def solve_samples(
         ideal_reducer, springs, individual_samples, common_profile, reducer.share * np.array(torques), threads
     )
     sample_figures[~(sample_figures[..., -1] <= RESIDUAL_RTOL)] = np.nan
-    solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)
-    for torque, torque_rows in zip(torques, sample_figures, strict=True):
-        figures = SampleFigures(*torque_rows[:, :-1].T.copy())
-        output_mean = {"output_mean": output_share * figures.output_mean + twist * torque}
-        # with the friction force of a plain cam, as in `Loads`
-        cam_force = figures.cam / springs.cam_normal_share
-        # Hertz: in proportion to the root of force times curvature
-        unit_pressure = ideal_reducer.contacts[reducer.design.tooth_pair].pressure(1.0, 1.0)
-        solved_batches.append(
-            replace(
-                figures,
-                cam=cam_force,
-                tooth_pressure=unit_pressure * np.sqrt(figures.tooth_pressure),
-                **output_mean,
-                output_range=output_share * figures.output_range,
-            )
-        )
-    return solved_batches
+    return [
+        _convert_figures(ideal_reducer, springs, torque, torque_rows)
+        for torque, torque_rows in zip(torques, sample_figures, strict=True)
+    ]
+
+
+def _convert_figures(reducer: Reducer, springs: Springs, torque: float, rows: Array) -> SampleFigures:
+    """Convert results of the kernel under a torque on the output [N m], shape (s, `FIGURES`), to those of s samples.
+
+    The output is that of the reducer, with the torsion of the structure, instead of the carrier. `springs` are those of
+    the `reducer` without errors.
+    """
+    figures = SampleFigures(*rows[:, :-1].T.copy())
+    unit_pressure = reducer.contacts[reducer.design.tooth_pair].pressure(1.0, 1.0)
+    return replace(
+        figures,
+        output_mean=reducer.share * figures.output_mean + wind_up(reducer) * torque,
+        output_range=reducer.share * figures.output_range,
+        cam=figures.cam / springs.cam_normal_share,  # with the friction force of a plain cam, as in `Loads`
+        tooth_pressure=unit_pressure * np.sqrt(figures.tooth_pressure),
+    )
 
 
 def _solve_all_samples(
