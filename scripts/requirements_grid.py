@@ -59,7 +59,7 @@ class GridSettings:
     """Samples of the tolerance study of a file, and their smallest yield."""
     shares: tuple[float, ...] = (0.9, 1.1, 1.5, 2.0)
     max_share: float = 1.1
-    """Torques relative to a stated maximum that are tried, and the largest of them that may be answered."""
+    """Torques that are tried, and largest rated torque of a drive that is found, relative to a stated maximum."""
     range_interval: int = 8
     range: int = 6
     """Number of requirements from one with a range of ratios to the next, and width of such a range."""
@@ -214,10 +214,11 @@ def _judge_maximum(requested_flags: dict[str, str], most: float) -> Iterator[str
     """Yield a sentence for each share of a stated maximum torque [N m] that contradicts it (`GRID.shares`)."""
     for share in GRID.shares:
         answer, _ = size(requested_flags | {"--torque-nm": f"{share * most:.4g}"})
-        if share < 1.0 and not answer.get("designs"):
+        rated = [drive["figures"]["rated_torque_nm"] for drive in answer.get("designs", [])[:1]]
+        if share < 1.0 and not rated:
             yield f"{share:g} times the maximum of {most:g} N m is refused"
-        if share > GRID.max_share and answer.get("designs"):
-            yield f"{share:g} times the maximum of {most:g} N m is answered"
+        if share > 1.0 and rated and rated[0] > GRID.max_share * most:
+            yield f"{share:g} times the maximum of {most:g} N m leads to a drive of {rated[0]:.4g} N m"
 
 
 def _replace_flags(asked: dict[str, str], words: list[str]) -> dict[str, str]:

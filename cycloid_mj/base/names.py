@@ -107,6 +107,9 @@ POINT_Q = {"q_x": "m", "q_y": "m", "q_vx": "m/s", "q_vy": "m/s"}
 
 _OF_DISC = re.compile(r"^gear_(\d+)_")
 
+SPECIAL = "special, by drawing"
+"""Designation of a bought part that is not in stock."""
+
 
 def column(stem: str, quantity: str) -> str:
     """Name the column of a quantity of a pair, a kind of pair or a pin."""

@@ -22,10 +22,10 @@ from cycloid_mj.statics.samples import Samples
 Parts = Literal["perfect", "toleranced"]
 """Parts that are rated: as designed, or within the tolerances of the design."""
 
-RANKS = {"tooth_pressure": "tooth {:.4g} MPa", "output_pin": "output pin {:.4g} N", "cam": "cam {:.4g} N"}
-"""Figures that rank the samples, by attribute of `SampleFigures`, in words.
+RANKED_LOADS = {"tooth_pressure": "tooth {:.4g} MPa", "output_pin": "output pin {:.4g} N", "cam": "cam {:.4g} N"}
+"""Loads by which samples are selected, in words.
 
-Teeth are ranked by their pressure: the lives of samples with equal forces differ by a factor of two."""
+That of the teeth is their pressure, because lives of samples with equal tooth forces differ by a factor of two."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class SampleSettings:
     samples: int = 200
     """Number of samples, those of the first batch of a tolerance study."""
     percentile: float = 95.0
-    """Percentile of each quantity of `RANKS` over the samples that turn."""
+    """Percentile that no load of a rated sample exceeds, over the samples that turn."""
     seed: int = 0
     loaded_angles: int = 90
-    """Crank angles under load: at 360, the percentiles of the forces differ by less than 1 %."""
+    """Crank angles under load: at 360, the percentiles of pressure and forces differ by less than 1 %."""
     ranking_angles: int = 30
     """Crank angles under load that find the critical sample of a candidate of a search."""
     likely_samples: int = 30
@@ -59,7 +59,7 @@ class RatedSamples:
     Attributes
     ----------
     numbers, designs
-        Numbers, from 0, and designs of the samples at the percentile of each quantity of `RANKS`.
+        Numbers, from 0, and designs of the selected samples.
     words
         The study in words.
     jams, backlash
@@ -134,12 +134,13 @@ def _rank(sample_count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those at the 95th percentile of their largest loads.
+    """Draw random designs within the tolerances, and select those with the largest loads up to the 95th percentile.
 
     The loads are the pressure of a tooth and the forces on output pin and cam, or the forces on tooth, crank bearing
-    and planet in an RV reducer, at the nominal torque without friction. For each kind of load, the sample at
-    `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has these designs; for all
-    samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
+    and planet in an RV reducer, at the nominal torque without friction. Samples that jam, or in which a load exceeds
+    its percentile (`SETTINGS.percentile`), are left out. Of the others, the sample with the largest load of each kind
+    is selected. The result has these designs; for all samples, it has whether they jam, and their backlash [arcmin]
+    (NaN for RV reducers).
 
     Raises
     ------
@@ -173,7 +174,7 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
     loads = {"tooth_pressure": 1e-6 * loaded.tooth_pressure, "output_pin": loaded.output_pin, "cam": loaded.cam}
-    sample_numbers, selection_text = _select_critical_samples(loads, RANKS, usable_numbers)
+    sample_numbers, selection_text = _select_critical_samples(loads, RANKED_LOADS, usable_numbers)
     return RatedSamples(
         sample_numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, sample_number) for sample_number in sample_numbers),
@@ -200,11 +201,10 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
 def _select_critical_samples(
     loads: Mapping[str, Array], words: Mapping[str, str], usable_numbers: Integers
 ) -> tuple[tuple[int, ...], str]:
-    """Select the tolerance samples with the largest load of each kind, up to the percentile of all usable samples.
+    """Select the samples for `select_rated_samples`; return their numbers, and a sentence on the selection.
 
-    A sample in which any kind of load exceeds its percentile (`SETTINGS.percentile`) is not selected. Otherwise a
-    sample selected for the force of its output pins could have a tooth pressure far beyond the percentile. Return the
-    numbers of the samples without duplicates, and a sentence on the selection with their loads.
+    If each load were selected by itself, a sample with the 95th percentile of the force of its output pins could have a
+    tooth pressure far beyond that percentile. The numbers have no duplicates.
 
     Parameters
     ----------

@@ -208,7 +208,7 @@ class RvReducer(Reducer):
         bearing = self.crank_bearing
         width = bearing.width if bearing else self.cranks.flange_thickness
         sizes = " x ".join(in_mm(size) for size in (2.0 * self.journal_radius, 2.0 * self.cranks.taper_radius, width))
-        return f"{bearing.designation if bearing else 'special, by drawing'}, {sizes} mm"
+        return f"{bearing.designation if bearing else names.SPECIAL}, {sizes} mm"
 
     @property
     def crank_support(self) -> float:

@@ -82,7 +82,7 @@ def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
         drive = pool.rated[row] if row is not None else None
         if row is not None and drive and not drive.passed and merit(drive) > min_merit:
             drive = pool.study(row)
-        # a study at too large a torque is repeated at a smaller one
+        # a study that failed may have been repeated at less than the required torque
         if drive and drive.passed and drive.torque >= requirement.torque and merit(drive) > min_merit:
             titles[drive] = f"{titles[drive]} and {title}" if drive in titles else title
     for drive, title in titles.items():

@@ -37,7 +37,7 @@ from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import POWER_RESERVE, conditions
 from cycloid_mj.sizing.remedies import better_cooling, first_feasible, list_changes
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.solve import LENGTH_WORDS
+from cycloid_mj.sizing.solve import change_length, round_up_length
 from cycloid_mj.statics.rv_sheet import motion_figures
 
 MODULES = tuple(1e-3 * item for item in (0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0))
@@ -293,7 +293,7 @@ def _lay_out_candidate(
             "post_radius": post,
             "flange_thickness": max(
                 round(circle * model_cranks.flange_thickness / model.ring.pin_circle_radius, 5),
-                math.ceil(1e4 * (bearing.width + wall)) / 1e4,
+                round_up_length(bearing.width + wall),
             ),
         },
         housing={"outer_radius": requirement.diameter / 2.0},
@@ -408,8 +408,7 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
     any_length = requirement.but(length=math.inf)
     best = _search_shortest(any_length, candidates(any_length))[0] if requirement.length < math.inf else None
     if best:
-        length = math.ceil(1e4 * best.candidate.length) / 1e4
-        yield FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length))
+        yield change_length(requirement, round_up_length(best.candidate.length))
     diameter = share ** (-1.0 / 3.0) * requirement.diameter
     changes = [item for item in list_changes(requirement, "diameter") if item.requirement.diameter >= diameter]
     yield from first_feasible(changes, _is_feasible)

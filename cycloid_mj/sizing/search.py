@@ -73,7 +73,8 @@ class SearchSettings:
     mass_tolerance
         The most efficient drive is chosen among those whose mass is larger than the lowest by at most this share.
     study_share
-        Torque of a tolerance study over the capacity that is expected, where the required torque is larger.
+        Torque of a tolerance study over the expected capacity, where the required torque is larger; and required torque
+        over the expected capacity at which the search for a drive ends with a study.
     build_share
         Time to build a candidate that cannot be rated over that of a rating.
     poses
@@ -382,9 +383,9 @@ class Pool:
         expected improvement is evaluated by the full computation, again and again, until no improvement is expected or
         `max_evaluations` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
         Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
-        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. Most studies of
-        drives that barely reach a capacity would fail, so only drives that passed reach a `goal` without a reserve. The
-        result is within all limits of the objective.
+        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. Drives that
+        barely reach a `goal` of the capacity often fail their study, so the search for it first continues to a reserve
+        above the goal (`SETTINGS.study_share`). The result is within all limits of the objective.
         """
         target_merit = objective.merit({objective.key: goal})
         reserve = -math.log(SETTINGS.study_share) if study and objective.key == "capacity" else 0.0

@@ -133,8 +133,8 @@ def _search_longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[Tri
         if drive.figures["length"] <= requirement.length:
             short = trial.pool.requirement.but(length=requirement.length)
             return Trial(replace(trial.pool, requirement=short), drive), ()
-        length = _round_up_length(drive.figures["length"])
-    return None, (FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length)),)
+        length = round_up_length(drive.figures["length"])
+    return None, (change_length(requirement, length),)
 
 
 def least_length(pools: Iterable[Pool]) -> float:
@@ -143,10 +143,15 @@ def least_length(pools: Iterable[Pool]) -> float:
     The length is rounded up.
     """
     drives = [pool.best(shortest(pool.requirement), max_evaluations=SETTINGS.few_ratings) for pool in pools]
-    return min((_round_up_length(drive.figures["length"]) for drive in drives if drive), default=math.inf)
+    return min((round_up_length(drive.figures["length"]) for drive in drives if drive), default=math.inf)
 
 
-def _round_up_length(length: float) -> float:
+def change_length(requirement: Requirement, length: float) -> FeasibleChange:
+    """Return the change of a requirement to another length [m]."""
+    return FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length))
+
+
+def round_up_length(length: float) -> float:
     """Round a length [m] up to tenths of a millimetre."""
     return math.ceil(1e4 * length) / 1e4
 

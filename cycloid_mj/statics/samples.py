@@ -189,7 +189,7 @@ def _convert_figures(reducer: Reducer, springs: Springs, torque: float, rows: Ar
     The output is that of the reducer, with the torsion of the structure, instead of the carrier. `springs` are those of
     the `reducer` without errors.
     """
-    figures = SampleFigures(*rows[:, :-1].T.copy())
+    figures = SampleFigures(*rows[:, :-1].T.copy())  # for the pressure, the kernel has force times curvature
     unit_pressure = reducer.contacts[reducer.design.tooth_pair].pressure(1.0, 1.0)
     return replace(
         figures,

@@ -9,8 +9,6 @@ from cycloid_mj.figures.sampled import solve_states
 from cycloid_mj.life.as_built import SETTINGS, _select_critical_samples, select_rated_samples
 from cycloid_mj.reducer import Reducer
 
-RANDOM = np.random.default_rng(7)
-
 
 def test_a_sample_is_not_selected_if_any_of_its_loads_exceeds_the_percentile() -> None:
     """A sample at the percentile of one load may have the largest of another, which then determined the rating."""
@@ -25,7 +23,8 @@ def test_a_sample_is_not_selected_if_any_of_its_loads_exceeds_the_percentile() -
 
 @pytest.mark.parametrize("count", [1, 2, 3, 20, 200])
 def test_loads_of_the_selected_samples_are_the_largest_below_their_percentiles(count: int) -> None:
-    loads = {key: RANDOM.random(count) for key in ("tooth", "pin", "cam")}
+    random = np.random.default_rng(count)
+    loads = {key: random.random(count) for key in ("tooth", "pin", "cam")}
     numbers, _ = _select_critical_samples(loads, dict.fromkeys(loads, "{:g}"), np.arange(count))
     limits = {
         key: np.quantile(values, 0.01 * SETTINGS.percentile, method="inverted_cdf") for key, values in loads.items()

@@ -315,7 +315,7 @@ def _lever_arms(
 
     One set converts the normal force of a contact to force and torque on the body. The other converts the body's
     speeds to the speeds of the contact along the normal (nx, ny) and along the tangent (-ny, nx), and to the tangential
-    speed of the centre of a round surface, which decides whether it rolls.
+    speed of the centre of a round surface.
 
     Parameters
     ----------

@@ -20,9 +20,6 @@ from cycloid_mj.reducer import RvReducer
 BOUGHT = names.PIN, NEEDLE, TAPERED_BEARING, names.OUTPUT_BEARING
 """Bought parts, round bars and rings, in their order in the bill."""
 
-SPECIAL = "special, by drawing"
-"""Designation of a bought part that no catalogue has."""
-
 
 def rv_bill(reducer: RvReducer, crank_ratings: tuple[float, float] = (0.0, 0.0)) -> tuple[BillLine, ...]:
     """Return the bill of materials of an RV reducer, with the numbers and masses of the solids of its assembly.
@@ -72,7 +69,7 @@ def _round_dimensions(part: Part) -> Iterator[tuple[str, float]]:
 
 
 def _designation(reducer: RvReducer, part: Part, crank_ratings: tuple[float, float]) -> tuple[str, str]:
-    """Return stock designation and fit of a bought part; the designation is `SPECIAL` if it is not in stock.
+    """Return stock designation and fit of a bought part; the designation is ``names.SPECIAL`` if it is not in stock.
 
     `crank_ratings` are the load ratings C and C0 that special crank bearings need [N]; 0 if unknown.
     """
@@ -87,12 +84,12 @@ def _designation(reducer: RvReducer, part: Part, crank_ratings: tuple[float, flo
             for name, value in zip(("C", "C0"), crank_ratings, strict=True)
             if value
         ]
-        return SPECIAL, "; ".join((fit, *ratings))
+        return names.SPECIAL, "; ".join((fit, *ratings))
     if part.name == names.PIN and reducer.design.ring.has_sleeves:
         return "", ""
     (segment,) = part.segments
     diameter = 2.0 * (reducer.cranks.needle_radius if part.name == NEEDLE else reducer.design.ring.pin_radius)
     roller = stock.free_pin(diameter, segment.z1 - segment.z0 + 2.0 * PIN_END_PLAY, PIN_END_PLAY)
     if roller is None or roller.count > 1:
-        return SPECIAL if part.name == NEEDLE else "", ""
+        return names.SPECIAL if part.name == NEEDLE else "", ""
     return roller.designation, f"cut to {in_mm(roller.cut)} mm" if roller.cut else ""
